@@ -1,0 +1,18 @@
+# Everything comes from Debian 12 packages; `./run` installs them.
+find_package(Threads REQUIRED)
+find_package(Ceres REQUIRED)
+find_package(Eigen3 REQUIRED NO_MODULE)
+find_package(TBB REQUIRED)
+find_package(embree 3 REQUIRED)
+find_package(assimp REQUIRED)
+find_package(nlohmann_json REQUIRED)
+find_package(CLI11 REQUIRED)
+find_package(fmt REQUIRED)
+find_package(hwy REQUIRED)
+find_package(glm REQUIRED)
+find_package(OpenEXR REQUIRED)
+find_package(OpenImageIO REQUIRED)
+# Debian's OpenImageIO target names an include folder of OpenCV that its package does not bring.
+get_target_property(_oiio_includes OpenImageIO::OpenImageIO INTERFACE_INCLUDE_DIRECTORIES)
+list(FILTER _oiio_includes EXCLUDE REGEX "opencv")
+set_target_properties(OpenImageIO::OpenImageIO PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${_oiio_includes}")

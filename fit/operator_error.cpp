@@ -1,0 +1,44 @@
+#include "fit/fit_job.h"
+#include "render/irradiance/profile_gather.h"
+#include "render/techniques/technique.h"
+
+#include <unordered_map>
+
+namespace opaline {
+namespace {
+
+/// The view restricted to `pixels` of the operator's rows, evenly spread.
+GBuffer some_points(const GBuffer& view, const TransportOperator& op, std::size_t pixels) {
+  GBuffer some{view.width, view.height, {}, {}};
+  std::unordered_map<std::uint32_t, const VisiblePoint*> by_pixel;
+  for (const VisiblePoint& p : view.points) by_pixel.emplace(p.pixel, &p);
+  const std::size_t count = std::min(pixels, op.rows());
+  for (std::size_t i = 0; i < count; ++i) some.points.push_back(*by_pixel.at(op.pixels[i * op.rows() / count]));
+  return some;
+}
+
+}  // namespace
+
+double operator_error(const Scene& scene, const TransportOperator& op, const OperatorSettings& settings,
+                      const ProfileInfo& profile, const Material& material, int material_index, std::size_t pixels) {
+  Scene with = scene;
+  with.materials[static_cast<std::size_t>(material_index)] = material;
+  SharedScene shared(with, {settings.samples, settings.irradiance});
+  shared.view = some_points(shared.view, op, pixels);
+  const Technique& reference = find_technique("hierarchical");
+  const Settings tight(reference.settings, {{"max_relative_error", "1e-4"}, {"profile", profile.name}});
+  const Frame frame = reference.prepare(shared, tight)->render(shared.view);
+  const Image gathered = shade(with, shared.view, frame.exitance, op.lobe),
+              expanded = operator_image(op, profile, material);
+  double error = 0, norm = 0;
+  for (const VisiblePoint& p : shared.view.points)
+    for (std::size_t c = 0; c < 3; ++c) {
+      const double a = static_cast<double>(gathered.data[p.pixel * 4u + c]),
+                   b = static_cast<double>(expanded.data[p.pixel * 4u + c]);
+      error += (a - b) * (a - b);
+      norm += a * a;
+    }
+  return norm > 0 ? std::sqrt(error / norm) : 0;
+}
+
+}  // namespace opaline

@@ -1,0 +1,207 @@
+#include "fit/transport_operator.h"
+
+#include "fit/deposit.h"
+#include "model/check.h"
+#include "model/fresnel.h"
+#include "render/irradiance/gather.h"
+#include "render/irradiance/profile_gather.h"
+#include "render/stopwatch.h"
+#include "render/techniques/technique.h"
+
+#include <ceres/jet.h>
+#include <tbb/parallel_for.h>
+
+namespace opaline {
+namespace {
+
+constexpr std::uint32_t no_row = ~0u;
+
+/// Queries that share a traversal: fewer cells are near for a small group, fewer walks for a large one.
+constexpr std::size_t group_size = 32;
+
+/// Clusters small against their distance, whatever the profile; near the core small against r_0.
+struct OpeningCriterion {
+  static constexpr float moments = 1;
+  float opening_squared, core_squared;
+  float group_radius = 0;
+
+  void begin_group(const glm::vec3&, float radius) { group_radius = radius; }
+  bool acceptable(float distance, float radius) const {
+    return radius * radius <= opening_squared * (distance * distance + core_squared);
+  }
+  bool accept(const ClusterNode& node, float distance) const {
+    return acceptable(std::max(0.0f, distance - group_radius), node.radius);
+  }
+  bool accept_part(float distance, float radius, float) const { return acceptable(distance, radius); }
+};
+
+/// Fills the operator's rows from the deposits of one query.
+struct RowSink {
+  TransportOperator& op;
+  const GBuffer& view;
+  const std::vector<std::uint32_t>& point_of_query;  // index into view.points
+  const std::vector<std::uint32_t>& row_of_point;
+  int masses;
+  std::vector<float> accumulators;
+  glm::vec3 position{0};
+  std::size_t query = 0;
+
+  void begin(std::size_t q, const glm::vec3& p) {
+    query = q, position = p;
+    accumulators.assign(static_cast<std::size_t>(op.radial.size()) * static_cast<std::size_t>(masses), 0.0f);
+  }
+  void add(const PatchList& patches, const float* weight) {
+    deposit_patches(op.radial, patches, weight, position, accumulators.data());
+  }
+  void end() {
+    const std::uint32_t point = point_of_query[query];
+    const double cosine = static_cast<double>(view.points[point].cos_o);
+    for (int k = 0; k < op.etas.size(); ++k) {
+      const auto leaving =
+          static_cast<float>(fresnel_transmittance(cosine, op.etas.etas()[static_cast<std::size_t>(k)]));
+      for (int c = 0; c < op.light_channels; ++c) {
+        float* out = &op.values[(row_of_point[point] * static_cast<std::size_t>(op.light_channels) +
+                                 static_cast<std::size_t>(c)) *
+                                    op.columns() +
+                                static_cast<std::size_t>(k) * static_cast<std::size_t>(op.radial.size())];
+        const float* in = &accumulators[static_cast<std::size_t>(k * op.light_channels + c)];
+        for (int n = 0; n < op.radial.size(); ++n) out[n] = leaving * in[n * masses];
+      }
+    }
+  }
+};
+
+/// Objects of other materials still cast shadows but give no rows; their irradiance is not needed.
+std::vector<bool> fitted_objects(const Scene& scene, int material, double& largest_diameter) {
+  std::vector<bool> fitted;
+  largest_diameter = 0;
+  for (const Object& object : scene.objects) {
+    fitted.push_back(object.material == material);
+    if (fitted.back()) largest_diameter = std::max(largest_diameter, diameter(object.mesh));
+  }
+  return fitted;
+}
+
+std::vector<SurfaceCells> cells_of(const Scene& scene, const std::vector<bool>& fitted, std::size_t samples) {
+  std::vector<SurfaceCells> cells = make_surface_cells(scene, samples);
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    if (!fitted[i]) cells[i].clear();
+  return cells;
+}
+
+/// Gives every visible point that takes part a row, in scanline order.
+std::vector<std::uint32_t> number_rows(const GBuffer& view, const std::vector<bool>& fitted,
+                                       const std::vector<float>& mask, TransportOperator& op) {
+  std::vector<std::uint32_t> row_of_point(view.points.size(), no_row);
+  for (std::size_t i = 0; i < view.points.size(); ++i) {
+    const VisiblePoint& p = view.points[i];
+    if (!fitted[static_cast<std::size_t>(p.object)]) {
+      ++op.counters.skipped["pixels_of_other_materials"];
+    } else if (!mask.empty() && !(mask[p.pixel] > 0)) {
+      ++op.counters.skipped["masked_pixels"];
+    } else {
+      row_of_point[i] = static_cast<std::uint32_t>(op.pixels.size());
+      op.pixels.push_back(p.pixel);
+    }
+  }
+  op.values.assign(op.rows() * static_cast<std::size_t>(op.light_channels) * op.columns(), 0.0f);
+  return row_of_point;
+}
+
+/// The rows of one object.
+void gather_rows(const GBuffer& view, int object, const SurfaceCells& cells, const IrradianceField& field,
+                 const std::vector<std::uint32_t>& row_of_point, float opening, TransportOperator& op) {
+  ObjectPoints points;
+  for (std::size_t i = 0; i < view.points.size(); ++i) {
+    if (view.points[i].object != object || row_of_point[i] == no_row) continue;
+    points.positions.push_back(view.points[i].position);
+    points.indices.push_back(static_cast<std::uint32_t>(i));
+  }
+  const ClusterTree tree = build_cluster_tree(cells, field);
+  op.counters.skipped["dark_cells"] += tree.dark_cells;
+  const OpeningCriterion criterion{opening * opening, static_cast<float>(op.radial.x_0())};
+  const GatherCounts counts = gather(
+      tree, cells, points.positions, [&] { return criterion; },
+      [&] { return RowSink{op, view, points.indices, row_of_point, tree.masses, {}}; },
+      getenv("GS") ? atoi(getenv("GS")) : 64);
+  op.counters.done["nodes_visited"] += counts.nodes_visited;
+  op.counters.done["clusters"] += counts.clusters;
+  op.counters.done["near_cells"] += counts.near_cells;
+  op.counters.done["cell_parts"] += counts.cell_parts;
+  op.counters.skipped["cell_splits_at_depth_limit"] += counts.depth_limit_reached;
+}
+
+}  // namespace
+
+TransportOperator build_operator(const Scene& scene, int material, const EtaNodes& etas,
+                                 const OperatorSettings& settings, const std::vector<float>& mask) {
+  Stopwatch watch;
+  double size = 0;
+  const std::vector<bool> fitted = fitted_objects(scene, material, size);
+  OPALINE_CHECK(size > 0);
+  TransportOperator op{RadialBasis(settings.core_fraction * size, 1.01 * size, settings.spacing), etas};
+  const RayScene rays(scene);
+  const GBuffer view = make_gbuffer(scene, rays);
+  op.width = view.width, op.height = view.height;
+  op.counters = view.counters;
+  const std::vector<SurfaceCells> cells =
+      refine_at_light_edges(scene, rays, cells_of(scene, fitted, settings.samples), settings.irradiance, op.counters);
+  const std::vector<std::vector<double>> eta_nodes(scene.objects.size(), etas.etas());
+  const std::vector<IrradianceField> fields =
+      compute_irradiance(scene, rays, cells, eta_nodes, settings.irradiance, op.counters);
+  op.light_channels = fields.front().channels;
+  op.colour = fields.front().colour;
+  const std::vector<std::uint32_t> row_of_point = number_rows(view, fitted, mask, op);
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    if (fitted[i])
+      gather_rows(view, static_cast<int>(i), cells[i], fields[i], row_of_point, static_cast<float>(settings.opening),
+                  op);
+  op.counters.done["rows"] += op.rows();
+  op.counters.done["columns"] += op.columns();
+  op.seconds = watch.lap();
+  return op;
+}
+
+ColumnCoefficients column_coefficients(const TransportOperator& op, const ProfileInfo& profile,
+                                       const Medium<double>& medium, int channel) {
+  using Dual = ceres::Jet<double, 1>;
+  const Dual eta(medium.eta, 0);
+  const std::vector<Dual> basis = op.etas.basis(eta);
+  const Dual scale =
+      Dual(op.light_channels == 1 ? op.colour[channel] : 1.0) / (pi * exit_lobe_normalisation(eta, op.lobe));
+  const std::unique_ptr<Profile> formula = profile.make(medium);
+  std::vector<ProfileGradient> at_node;
+  for (int n = 0; n < op.radial.size(); ++n) at_node.push_back(formula->evaluate_with_gradient(op.radial.radius(n)));
+  ColumnCoefficients out;
+  for (std::vector<double>* v : {&out.value, &out.d_sigma_a, &out.d_sigma_s_prime, &out.d_eta})
+    v->reserve(op.columns());
+  for (const Dual& l : basis) {
+    const Dual factor = scale * l;
+    for (int n = 0; n < op.radial.size(); ++n) {
+      const ProfileGradient& g = at_node[static_cast<std::size_t>(n)];
+      const double w = op.radial.weight(n);
+      out.value.push_back(w * factor.a * g.value);
+      out.d_sigma_a.push_back(w * factor.a * g.d_sigma_a);
+      out.d_sigma_s_prime.push_back(w * factor.a * g.d_sigma_s_prime);
+      out.d_eta.push_back(w * (factor.a * g.d_eta + factor.v[0] * g.value));
+    }
+  }
+  return out;
+}
+
+Image operator_image(const TransportOperator& op, const ProfileInfo& profile, const Material& material) {
+  Image image(op.width, op.height, {"R", "G", "B", "A"});
+  for (int c = 0; c < 3; ++c) {
+    const std::vector<double> x = column_coefficients(op, profile, material.channel(c), c).value;
+    tbb::parallel_for(std::size_t{0}, op.rows(), [&](std::size_t p) {
+      const float* row = op.row(p, op.light_channel(c));
+      double sum = 0;
+      for (std::size_t j = 0; j < x.size(); ++j) sum += x[j] * static_cast<double>(row[j]);
+      image.data[static_cast<std::size_t>(op.pixels[p]) * 4 + static_cast<std::size_t>(c)] = static_cast<float>(sum);
+      image.data[static_cast<std::size_t>(op.pixels[p]) * 4 + 3] = 1;
+    });
+  }
+  return image;
+}
+
+}  // namespace opaline

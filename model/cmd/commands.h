@@ -1,0 +1,19 @@
+// `opaline profile`, `opaline material` and `opaline stress`. Wrong values throw std::invalid_argument, whose message
+// names the option and the valid choices; the main program turns it into exit code 2.
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace opaline {
+
+/// Adds `profile`: R_d(r) of one model and material on stdout, as CSV or JSON.
+void add_profile_command(CLI::App& app);
+
+/// Adds `material list` and `material show NAME`.
+void add_material_command(CLI::App& app);
+
+/// Adds `stress`: rounding errors and invalid values of every formula; throws CommandFailed (exit_status.h) past a
+/// limit.
+void add_stress_command(CLI::App& app);
+
+}  // namespace opaline

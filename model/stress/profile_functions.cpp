@@ -1,0 +1,123 @@
+// Poles, Yukawa terms and the profiles made of them.
+#include "model/profiles/better_dipole.h"
+#include "model/profiles/extended_source.h"
+#include "model/profiles/normalised_diffusion.h"
+#include "model/profiles/profile.h"
+#include "model/profiles/standard_dipole.h"
+#include "model/stress/function.h"
+
+#include <memory>
+
+namespace opaline {
+namespace {
+
+constexpr double eta_low = 0.3, eta_high = 3.5;
+
+Axis radius_axis() { return {"r/l", {0, 1e-12, 1, 1e6}, 1e-12, 1e6}; }
+
+Domain medium_and_radius(double low = eta_low, double high = eta_high) {
+  return medium_domain(low, high, radius_axis(), "r", [](Input& x) {
+    x[3] /= x[0];
+    to_medium(x);
+  });
+}
+
+/// Lengths in units of the pole's depth: (z, r/z, (sigma z)) to (r or r^2, z, sigma or sigma^2).
+Domain pole_domain(std::vector<std::string> inputs, void (*to_inputs)(Input&)) {
+  return {.axes = {{"z", {1e-6, 1, 1e6}, 1e-6, 1e6},
+                   {"r/z", {0, 1e-12, 1, 1e6}, 1e-12, 1e6},
+                   {"sigma z", {0, 1e-300, 1e-12, 1e-3, 1, 600, 1e12}, 1e-20, 1e3}},
+          .to_inputs = to_inputs,
+          .inputs = std::move(inputs)};
+}
+
+void add_pole_functions(std::vector<StressFunction>& rows) {
+  rows.push_back(
+      with_monotone(stress_function("screening", {.axes = {{"t", {0, 1e-300, 1e-12, 1, 3e5, 1e300}, 1e-30, 3e5}}},
+                                    tight_limit, [](const auto* x) { return screening(x[0]); }),
+                    {0, false}));
+  const Domain squared = pole_domain({"q", "z", "sigma^2"}, [](Input& x) {
+    x = {x[0] * x[1] * x[0] * x[1], x[0], x[2] / x[0] * (x[2] / x[0])};
+  });
+  rows.push_back(with_monotone(differentiated<3>("pole_evaluate_squared", squared, tight_limit,
+                                                 [](const auto* x) { return pole_evaluate_squared(x[0], x[1], x[2]); }),
+                               {1, false}));
+  const Domain plain = pole_domain({"r", "z", "sigma"}, [](Input& x) { x = {x[0] * x[1], x[0], x[2] / x[0]}; });
+  rows.push_back(with_monotone(stress_function("pole_cumulative", plain, tight_limit,
+                                               [](const auto* x) { return pole_cumulative(x[0], x[1], x[2]); }),
+                               {1, true}));
+}
+
+template <template <typename> class Profile>
+StressFunction evaluate_row(const std::string& name, Domain domain, double limit) {
+  const auto evaluate = []<typename T>(const T* x) { return Profile<T>(medium_of(x)).evaluate(x[3]); };
+  StressFunction row = differentiated<3>(name + ".evaluate", std::move(domain), limit, evaluate);
+  row.gradient_scale = &medium_scale;
+  return with_monotone(std::move(row), {3, false});
+}
+
+template <template <typename> class Profile>
+StressFunction cumulative_row(const std::string& name, Domain domain, double limit) {
+  const auto cumulative = []<typename T>(const T* x) { return Profile<T>(medium_of(x)).cumulative(x[3]); };
+  return with_monotone(stress_function(name + ".cumulative", std::move(domain), limit, cumulative), {3, true});
+}
+
+/// The total falls with the share that is absorbed.
+template <template <typename> class Profile>
+StressFunction total_row(const std::string& name, Domain domain, double limit) {
+  const auto total = []<typename T>(const T* x) { return Profile<T>(medium_of(x)).total(); };
+  return with_monotone(stress_function(name + ".total", std::move(domain), limit, total), {1, false});
+}
+
+template <template <typename> class Profile>
+void add_dipole(std::vector<StressFunction>& rows, const std::string& name, double limit) {
+  rows.push_back(evaluate_row<Profile>(name, medium_and_radius(), limit));
+  rows.push_back(cumulative_row<Profile>(name, medium_and_radius(), limit));
+  rows.push_back(total_row<Profile>(name, medium_domain(eta_low, eta_high), limit));
+}
+
+/// Normalised diffusion. Without absorption its derivative is infinite.
+template <template <typename> class Profile>
+void add_normalised(std::vector<StressFunction>& rows, const std::string& name) {
+  rows.push_back(evaluate_row<Profile>(name, scattering(medium_and_radius()), loose_limit));
+  rows.back().gradient_valid = [](const Input& x) { return x[0] > 0; };
+  rows.push_back(cumulative_row<Profile>(name, scattering(medium_and_radius()), loose_limit));
+  rows.push_back(total_row<Profile>(name, scattering(medium_domain(eta_low, eta_high)), loose_limit));
+}
+
+/// As anyone gets it from the registry: validity alone, with a new medium now and then, since some prepare tables.
+StressFunction registry_row(const ProfileInfo& info) {
+  StressFunction row;
+  row.name = "profile " + info.name;
+  row.domain = medium_and_radius(info.domain.eta_min, info.domain.eta_max);
+  row.domain.hold = 512;
+  struct Last {
+    Medium<double> medium;
+    std::unique_ptr<Profile> profile;
+  };
+  row.value = [make = info.make, last = std::make_shared<Last>()](const double* x) {
+    const Medium<double> m = medium_of(x);
+    const bool same = last->profile && m.sigma_a == last->medium.sigma_a &&
+                      m.sigma_s_prime == last->medium.sigma_s_prime && m.eta == last->medium.eta;
+    if (!same) *last = {m, make(m)};
+    return last->profile->evaluate(x[3]);
+  };
+  if (info.monotone) row.monotone = Monotone{3, false};
+  return row;
+}
+
+}  // namespace
+
+void add_profile_functions(std::vector<StressFunction>& rows) {
+  add_pole_functions(rows);
+  add_dipole<StandardDipole>(rows, "standard_dipole", tight_limit);
+  add_dipole<BetterDipole>(rows, "better_dipole", loose_limit);
+  add_normalised<SearchlightNormalisedDiffusion>(rows, "normalised_diffusion");
+  add_normalised<DiffuseNormalisedDiffusion>(rows, "normalised_diffusion_diffuse");
+  rows.push_back(with_cost(evaluate_row<ExtendedSource>("extended_source", medium_and_radius(), loose_limit), 8));
+  rows.push_back(
+      with_cost(evaluate_row<PhotonBeamDiffusion>("photon_beam_diffusion", medium_and_radius(), loose_limit), 8));
+  for (const ProfileInfo& info : profiles()) rows.push_back(registry_row(info));
+}
+
+}  // namespace opaline

@@ -1,0 +1,67 @@
+#include "render/cmd/render_stats.h"
+
+#include "model/simd.h"
+
+#include <sys/resource.h>
+
+#include <fstream>
+
+namespace opaline {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Numbers as numbers, words as words.
+Json settings_json(const RenderOptions& options, const RenderResult& result) {
+  Json json = Json::object();
+  const Settings settings(find_technique(options.technique).settings, options.settings);
+  for (const SettingSpec& spec : find_technique(options.technique).settings) {
+    if (spec.choices.empty())
+      json[spec.key] = settings.number(spec.key);
+    else
+      json[spec.key] = result.settings.at(spec.key);
+  }
+  json["samples"] = options.shared.samples;
+  json["light_samples"] = options.shared.irradiance.area_samples;
+  json["seed"] = options.shared.irradiance.seed;
+  json["exit_lobe"] = exit_lobe_name(options.exit_lobe);
+  return json;
+}
+
+std::string processor_model() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);) {
+    const std::size_t colon = line.find(": ");
+    if (line.rfind("model name", 0) == 0 && colon != std::string::npos) return line.substr(colon + 2);
+  }
+  return "unknown processor";
+}
+
+}  // namespace
+
+Json render_stats(const RenderOptions& options, const RenderResult& result, double load, double total) {
+  const RenderSeconds& s = result.seconds;
+  return {{"technique", options.technique},
+          {"backend", result.backend},
+          {"device", cpu_device()},
+          {"seconds",
+           {{"load", load},
+            {"gbuffer", s.gbuffer},
+            {"irradiance", s.irradiance},
+            {"prepare", s.prepare},
+            {"render", s.render},
+            {"total", total}}},
+          {"counters", {{"done", result.counters.done}, {"skipped", result.counters.skipped}}},
+          {"peak_rss_bytes", peak_rss_bytes()},
+          {"settings", settings_json(options, result)}};
+}
+
+std::string cpu_device() { return processor_model() + ", " + simd_target(); }
+
+std::uint64_t peak_rss_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+}
+
+}  // namespace opaline

@@ -1,0 +1,26 @@
+// What `opaline render --stats` writes.
+#pragma once
+
+#include "render/render_scene.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <string>
+
+namespace opaline {
+
+/// {"technique", "backend", "device", "seconds": {"load", "gbuffer", "irradiance", "prepare",
+/// "render", "total"}, "counters": {"done", "skipped"}, "peak_rss_bytes", "settings"}; settings are
+/// those of the technique, and samples, light_samples, seed and exit_lobe.
+/// load, total: wall-clock seconds of reading the scene and of everything up to the written images.
+nlohmann::ordered_json render_stats(const RenderOptions& options, const RenderResult& result, double load,
+                                    double total);
+
+/// Processor model and the vector instructions in use: "Some CPU @ 2.70GHz, AVX3".
+std::string cpu_device();
+
+/// Largest resident size of this process so far.
+std::uint64_t peak_rss_bytes();
+
+}  // namespace opaline

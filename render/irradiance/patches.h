@@ -1,0 +1,91 @@
+// Patches: what a query sums over. A patch is a cluster, a cell or a part of a cell, reduced to
+// its flux and its moments up to the second.
+//
+// Two-point rule. For a query at D from the patch's centroid, q = |D - delta|^2 over the patch has
+//   mean q0 = |D|^2 + tr C        variance s^2 = 4 D^T C D + var |delta|^2
+// with var |delta|^2 ~ (tr C)^2 / 3 (exact for a uniform disk). Half the flux at q0 + s and half at
+// q0 - s reproduce both, so any profile f(q) is integrated with a third-order error; for a query at
+// the centre of a disk this is Gauss-Legendre quadrature. A channel whose own centroid differs
+// shifts flux between the two points by its first moment.
+#pragma once
+
+#include "render/irradiance/cluster_tree.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace opaline {
+
+/// Structure of arrays for the geometry, `masses` floats in a row for the fluxes.
+class PatchList {
+ public:
+  explicit PatchList(int masses = 1) : masses_(static_cast<std::size_t>(masses)) {}
+
+  void clear() { count_ = 0; }
+  std::size_t size() const { return count_; }
+  int masses() const { return static_cast<int>(masses_); }
+
+  /// Appends a node of the tree; moments = 0 reduces it to a point at its centroid.
+  void push(const ClusterTree& tree, std::size_t node, float moments = 1) {
+    const std::size_t i = grow();
+    const ClusterNode& n = tree.nodes[node];
+    set_geometry(i, n.centroid, n.covariance, moments);
+    for (std::size_t m = 0; m < masses_; ++m) mass_[i * masses_ + m] = tree.mass[node * masses_ + m];
+    if (masses_ == 1) return;
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      for (std::size_t m = 0; m < masses_; ++m)
+        first_[axis][i * masses_ + m] = moments * tree.first_moment[(node * 3 + axis) * masses_ + m];
+  }
+  /// Appends a similar part of a leaf's cell: its centroid, and its area as a fraction of the cell.
+  void push_part(const ClusterTree& tree, std::size_t leaf, const glm::vec3& centroid, float fraction) {
+    const std::size_t i = grow();
+    set_geometry(i, centroid, tree.nodes[leaf].covariance, fraction);
+    for (std::size_t m = 0; m < masses_; ++m) mass_[i * masses_ + m] = fraction * tree.mass[leaf * masses_ + m];
+    if (masses_ == 1) return;
+    for (auto& axis : first_) std::fill_n(axis.begin() + static_cast<std::ptrdiff_t>(i * masses_), masses_, 0.0f);
+  }
+
+  /// Geometry rows: 0-2 centroid, 3-8 covariance xx xy xz yy yz zz, 9 trace.
+  const float* row(int field) const { return geometry_[field].data(); }
+  const float* mass() const { return mass_.data(); }
+  const float* first_moment(int axis) const { return first_[axis].data(); }
+  static constexpr int rows = 10;
+
+  /// Kernels read whole vectors: the list is followed by patches without flux up to a multiple of
+  /// this many.
+  static constexpr std::size_t lanes = 16;
+  static std::size_t padded(std::size_t count) { return (count + lanes - 1) / lanes * lanes; }
+  void pad() {
+    const std::size_t end = padded(count_), saved = count_;
+    while (count_ < end) {
+      const std::size_t i = grow();
+      for (auto& row : geometry_) row[i] = 0;
+      std::fill_n(mass_.begin() + static_cast<std::ptrdiff_t>(i * masses_), masses_, 0.0f);
+      if (masses_ > 1)
+        for (auto& axis : first_) std::fill_n(axis.begin() + static_cast<std::ptrdiff_t>(i * masses_), masses_, 0.0f);
+    }
+    count_ = saved;
+  }
+
+ private:
+  std::size_t grow() {
+    if (count_ == geometry_[0].size()) {
+      const std::size_t capacity = count_ ? 2 * count_ : 256;
+      for (auto& row : geometry_) row.resize(capacity);
+      mass_.resize(capacity * masses_);
+      if (masses_ > 1)
+        for (auto& axis : first_) axis.resize(capacity * masses_);
+    }
+    return count_++;
+  }
+  void set_geometry(std::size_t i, const glm::vec3& centroid, const float* covariance, float scale) {
+    for (int axis = 0; axis < 3; ++axis) geometry_[axis][i] = centroid[axis];
+    for (int k = 0; k < 6; ++k) geometry_[3 + k][i] = scale * covariance[k];
+    geometry_[9][i] = scale * (covariance[0] + covariance[3] + covariance[5]);
+  }
+
+  std::size_t masses_, count_ = 0;
+  std::vector<float> geometry_[rows], mass_, first_[3];
+};
+
+}  // namespace opaline

@@ -1,0 +1,13 @@
+// The sRGB transfer curve, IEC 61966-2-1.
+#pragma once
+
+#include <cmath>
+
+namespace opaline {
+
+/// Encoded value in [0, 1] of a linear one in [0, 1].
+inline double srgb_from_linear(double linear) {
+  return linear <= 0.0031308 ? 12.92 * linear : 1.055 * std::pow(linear, 1 / 2.4) - 0.055;
+}
+
+}  // namespace opaline

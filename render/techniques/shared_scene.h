@@ -1,0 +1,41 @@
+// What all techniques share: made once per scene, never again.
+#pragma once
+
+#include "render/irradiance/irradiance.h"
+#include "render/visibility/gbuffer.h"
+
+#include <memory>
+
+namespace opaline {
+
+struct SharedSettings {
+  std::size_t samples = 100000;  ///< surface cells over all objects
+  IrradianceSettings irradiance;
+};
+
+/// Seconds spent on the shared parts.
+struct SharedSeconds {
+  double gbuffer = 0, irradiance = 0;
+};
+
+/// The scene must outlive it.
+struct SharedScene {
+  const Scene& scene;
+  RayScene rays;
+  GBuffer view;
+  std::vector<SurfaceCells> cells;          ///< per object
+  std::vector<IrradianceField> irradiance;  ///< per object, for its material's eta
+  Counters counters;
+  SharedSeconds seconds;
+
+  SharedScene(const Scene& scene, const SharedSettings& settings);
+};
+
+/// Positions of the visible points of one object, and their places in the view.
+struct ObjectPoints {
+  std::vector<glm::vec3> positions;
+  std::vector<std::uint32_t> indices;
+};
+ObjectPoints points_of_object(const GBuffer& view, int object);
+
+}  // namespace opaline

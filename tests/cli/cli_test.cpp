@@ -1,0 +1,217 @@
+// The real binary, run as a user would: exit codes, messages, files.
+#include "render/image.h"
+#include "tests/render/scene_fixture.h"
+
+#include <gmock/gmock.h>
+#include <sys/wait.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <filesystem>
+#include <future>
+#include <sstream>
+
+namespace opaline {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::AllOf;
+using ::testing::HasSubstr;
+
+struct Ending {
+  int status;
+  std::string out, err;
+};
+
+std::string content(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+/// A folder with a small scene, in which commands run.
+class Cli : public ::testing::Test {
+ protected:
+  Cli() {
+    json scene = test::valid_document();
+    scene["film"] = {{"width", 16}, {"height", 16}};
+    scene["camera"]["fov_y_deg"] = 11;
+    scene["objects"] = {{{"shape", "sphere"}, {"radius", 5}, {"triangles", 500}, {"material", "m1"}}};
+    folder_.write("scene.json", scene.dump());
+  }
+
+  Ending run(const std::string& arguments) {
+    const std::string number = std::to_string(runs_++), out = logs_.file("out" + number),
+                      err = logs_.file("err" + number);
+    const std::string command = "cd '" + folder_.file("") + "' && '" OPALINE_BINARY "' " + arguments + " >'" + out +
+                                "' 2>'" + err + "' </dev/null";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content(out), content(err)};
+  }
+
+  /// Expects exit code 2, one message on stderr that names all of `parts`, and no new file.
+  void expect_wrong(const std::string& arguments, const std::vector<std::string>& parts) {
+    SCOPED_TRACE(arguments);
+    const std::size_t files = folder_.file_count();
+    const Ending e = run(arguments);
+    EXPECT_EQ(e.status, 2) << e.err;
+    EXPECT_EQ(e.out, "");
+    EXPECT_EQ(e.err.rfind("opaline: ", 0), 0u) << e.err;
+    for (const std::string& part : parts) EXPECT_THAT(e.err, HasSubstr(part));
+    EXPECT_EQ(folder_.file_count(), files) << "something was written";
+  }
+
+  test::TempFolder folder_, logs_;
+  std::atomic<int> runs_{0};
+};
+
+constexpr const char* fast_render = "render scene.json --technique hierarchical --samples 500 --out ";
+
+TEST_F(Cli, HelpOfEveryCommandHasAnExample) {
+  std::map<std::string, std::future<Ending>> endings;  // starting up takes longest: side by side
+  for (const std::string command : {"profile", "material", "material list", "material show", "dataset", "dataset list",
+                                    "dataset make", "render", "compare", "fit"})
+    endings[command] = std::async(std::launch::async, [this, command] { return run(command + " --help"); });
+  for (auto& [command, ending] : endings) {
+    SCOPED_TRACE(command);
+    const Ending e = ending.get();
+    EXPECT_EQ(e.status, 0);
+    EXPECT_EQ(e.err, "");
+    EXPECT_THAT(e.out, HasSubstr("Example: opaline " + command));
+  }
+}
+
+TEST_F(Cli, AloneItPrintsTheHelp) {
+  const Ending alone = run(""), help = run("--help");
+  EXPECT_EQ(alone.status, 0);
+  EXPECT_EQ(alone.out, help.out);
+  for (const char* command : {"profile", "material", "dataset", "render", "compare", "fit"})
+    EXPECT_THAT(alone.out, HasSubstr(command));
+  EXPECT_THAT(run("--version").out, ::testing::ContainsRegex("^opaline [0-9]+\\.[0-9]+\\.[0-9]+\n$"));
+}
+
+TEST_F(Cli, NamesTheValidChoices) {
+  expect_wrong("rendr scene.json", {"did you mean \"render\"?", "compare"});
+  expect_wrong("render scene.json --technique guess --out a.exr", {"guess", "hierarchical", "brute_force"});
+  expect_wrong(std::string(fast_render) + "a.exr --set color=red", {"color", "max_relative_error"});
+  expect_wrong(std::string(fast_render) + "a.exr --set quality=good", {"quality", "good"});
+  expect_wrong(std::string(fast_render) + "a.exr --backend gpu", {"gpu", "cpu"});
+  expect_wrong(std::string(fast_render) + "a.exr --exit-lobe round", {"round", "normalised", "jensen"});
+  expect_wrong("dataset make bust --out d", {"bust_skin1", "sphere_wholemilk"});
+}
+
+TEST_F(Cli, NamesTheFileAndThePlace) {
+  json bad = test::valid_document();
+  bad["objects"][0]["material"] = "m2";
+  folder_.write("bad.json", bad.dump());
+  expect_wrong("render bad.json --technique hierarchical --out a.exr", {"bad.json", "/objects/0/material", "m1"});
+  expect_wrong("render none.json --technique hierarchical --out a.exr", {"none.json", "does not exist"});
+  expect_wrong("dataset make none.json --out d", {"none.json", "does not exist"});
+  expect_wrong("compare none.exr none.exr", {"none.exr", "does not exist"});
+}
+
+TEST_F(Cli, RefusesWrongArgumentsBeforeAnyWork) {
+  expect_wrong("render scene.json --out a.exr", {"--technique", "--list"});
+  expect_wrong("render scene.json --technique hierarchical", {"--out"});
+  expect_wrong("render --technique hierarchical --out a.exr", {"SCENE"});
+  expect_wrong(std::string(fast_render) + "a.jpg", {"a.jpg", ".exr"});
+  expect_wrong(std::string(fast_render) + "no/a.exr", {"no/a.exr", "does not exist"});
+  expect_wrong(std::string(fast_render) + "a.exr --threads 0", {"--threads", "1"});
+  expect_wrong("dataset make slab_uniform --out d --size 0", {"--size"});
+  expect_wrong("dataset make slab_uniform --out scene.json", {"scene.json", "is a file"});
+}
+
+TEST_F(Cli, RendersWithStats) {
+  const Ending e = run(std::string(fast_render) + "a.exr --png a.png --stats s.json --set max_relative_error=1e-2");
+  ASSERT_EQ(e.status, 0) << e.err;
+  EXPECT_EQ(e.out + e.err, "");
+  EXPECT_TRUE(fs::exists(folder_.file("a.png")));
+  const Image image = read_image(folder_.file("a.exr"));
+  EXPECT_EQ(image.width, 16);
+  EXPECT_GT(image.at(8, 8, 0), 0);
+  const json stats = json::parse(content(folder_.file("s.json")));
+  EXPECT_EQ(stats.at("technique"), "hierarchical");
+  EXPECT_EQ(stats.at("backend"), "cpu");
+  EXPECT_FALSE(stats.at("device").get<std::string>().empty());
+  EXPECT_EQ(stats.at("settings").at("max_relative_error"), 1e-2);
+  EXPECT_EQ(stats.at("settings").at("samples"), 500);
+  EXPECT_GE(stats.at("counters").at("done").at("surface_cells"), 500);
+  EXPECT_TRUE(stats.at("counters").at("skipped").is_object());
+  EXPECT_GT(stats.at("peak_rss_bytes"), 1'000'000);
+  double sum = 0;
+  for (const char* stage : {"load", "gbuffer", "irradiance", "prepare", "render"}) {
+    EXPECT_GE(stats.at("seconds").at(stage), 0);
+    sum += stats.at("seconds").at(stage).get<double>();
+  }
+  EXPECT_GE(stats.at("seconds").at("total"), sum);
+}
+
+TEST_F(Cli, ThreadsDoNotChangeAPixelAndExitLobesDifferByAConstant) {
+  ASSERT_EQ(run(std::string(fast_render) + "one.exr --threads 1").status, 0);
+  ASSERT_EQ(run(std::string(fast_render) + "two.exr --threads 2").status, 0);
+  ASSERT_EQ(run(std::string(fast_render) + "jensen.exr --threads 2 --exit-lobe jensen").status, 0);
+  const Image n = read_image(folder_.file("one.exr")), j = read_image(folder_.file("jensen.exr"));
+  EXPECT_EQ(n.data, read_image(folder_.file("two.exr")).data);
+  const float ratio = j.at(8, 8, 1) / n.at(8, 8, 1);
+  EXPECT_NEAR(ratio, 0.94, 0.01) << "6 % darker at eta 1.3";
+  EXPECT_NEAR(j.at(10, 6, 2), ratio * n.at(10, 6, 2), 1e-6);
+}
+
+TEST_F(Cli, ComparesAndFailsTheGate) {
+  Image image(2, 2, {"R", "G", "B", "A"});
+  std::fill(image.data.begin(), image.data.end(), 1.0f);
+  write_exr(folder_.file("ref.exr"), image);
+  for (std::size_t i = 0; i < 16; i += 4) image.data[i] = 1.3f;
+  write_exr(folder_.file("img.exr"), image);
+  const Ending e = run("compare img.exr ref.exr --json --max-rmse 0.2");
+  EXPECT_EQ(e.status, 0) << e.err;
+  const json metrics = json::parse(e.out).at("metrics");
+  EXPECT_NEAR(metrics.at("rmse").get<double>(), 0.3 / std::sqrt(3.0), 1e-6);
+  EXPECT_NEAR(metrics.at("mean_error").get<double>(), 0.1, 1e-6);
+  EXPECT_NEAR(metrics.at("max").get<double>(), 0.3, 1e-6);
+  EXPECT_NEAR(metrics.at("per_channel").at("R").at("relative_rmse").get<double>(), 0.3, 1e-6);
+  const Ending failed = run("compare img.exr ref.exr --max-relative-rmse 0.1 --error-image e.exr");
+  EXPECT_EQ(failed.status, 1);
+  EXPECT_THAT(failed.err, AllOf(HasSubstr("relative_rmse"), HasSubstr("0.1")));
+  EXPECT_NEAR(read_image(folder_.file("e.exr")).at(1, 1, 0), 0.3, 1e-6);
+}
+
+TEST_F(Cli, RefusesToCompareWhatCannotBe) {
+  Image small(2, 2, {"R", "G", "B"}), large(3, 2, {"R", "G", "B"});
+  write_exr(folder_.file("small.exr"), small);
+  write_exr(folder_.file("large.exr"), large);
+  small.at(1, 0, 2) = std::nanf("");
+  write_exr(folder_.file("nan.exr"), small);
+  expect_wrong("compare small.exr large.exr", {"2 x 2", "3 x 2"});
+  expect_wrong("compare small.exr nan.exr", {"nan.exr", "pixel (1, 0)"});
+}
+
+TEST_F(Cli, MakesADatasetThatComparesAsItsNoise) {
+  const Ending e = run("dataset make sphere_wholemilk --out d --size 24 --noise 0.04 --samples 2000 --threads 2");
+  ASSERT_EQ(e.status, 0) << e.err;
+  const json compared = json::parse(run("compare d/target.exr d/clean.exr --json").out);
+  // The deviation of n values scatters by 1 / sqrt(2 n).
+  const double n = 3 * compared.at("pixels").get<double>();
+  EXPECT_GT(n, 600);
+  EXPECT_NEAR(compared.at("metrics").at("relative_rmse").get<double>(), 0.04, 0.04 * 5 / std::sqrt(2 * n));
+  // The recipe's own settings, so that every pixel must come again.
+  const std::string settings = "--technique hierarchical --set max_relative_error=1e-4 --samples 2000";
+  ASSERT_EQ(run("render d/truth_scene.json " + settings + " --out again.exr").status, 0);
+  EXPECT_EQ(run("compare again.exr d/clean.exr --max-rmse 0").status, 0);
+  EXPECT_EQ(run("render d/scene.json --technique hierarchical --samples 2000 --out start.exr").status, 0);
+  EXPECT_EQ(run("compare start.exr d/clean.exr --max-relative-rmse 0.05").status, 1) << "the start isn't the answer";
+}
+
+TEST_F(Cli, ListsRecipesAndTechniques) {
+  const json rows = json::parse(run("dataset list --json").out);
+  EXPECT_GE(rows.size(), 8u);
+  EXPECT_EQ(rows.at(0).at("film").at("width"), 256);
+  const Ending e = run("render --list");
+  EXPECT_EQ(e.status, 0);
+  EXPECT_THAT(e.out, AllOf(HasSubstr("brute_force"), HasSubstr("Jensen"), HasSubstr("max_relative_error=1e-3")));
+}
+
+}  // namespace
+}  // namespace opaline

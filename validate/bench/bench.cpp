@@ -1,0 +1,60 @@
+// `./run bench`: the figures the project asks of itself, measured on this machine. Times are medians
+// within one run; compare ratios, not machines.
+#include "render/input_error.h"
+#include "validate/bench/figures.h"
+
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+#include <CLI/CLI.hpp>
+
+namespace opaline::bench {
+void register_kernels();
+
+namespace {
+
+void run_kernels() {
+  register_kernels();
+  std::string program = "opaline_bench", minimum = "--benchmark_min_time=0.2";
+  char* arguments[] = {program.data(), minimum.data()};
+  int count = 2;
+  benchmark::Initialize(&count, arguments);
+  benchmark::RunSpecifiedBenchmarks();
+}
+
+int run(int argc, char** argv) {
+  SceneChoice choice;
+  bool kernels = true, render = true, fit = true;
+  CLI::App app("Opaline's benchmark: figures reached beside figures asked", "opaline_bench");
+  app.add_option("--mesh", choice.mesh, "Mesh file instead of the synthetic bust");
+  app.add_option("--height", choice.height, "Of the object [mm]")->check(CLI::PositiveNumber)->capture_default_str();
+  app.add_option("--material", choice.material, "From the library")->capture_default_str();
+  app.add_option("--film", choice.film, "Pixels a side")->check(CLI::Range(16, 4096))->capture_default_str();
+  app.add_option("--samples", choice.samples, "Surface cells")->capture_default_str();
+  app.add_option("--runs", choice.runs, "Timed runs, of which the median counts")
+      ->check(CLI::Range(1, 101))
+      ->capture_default_str();
+  app.add_flag("!--no-kernels", kernels, "Leave out the inner loops");
+  app.add_flag("!--no-render", render, "Leave out the renderer");
+  app.add_flag("!--no-fit", fit, "Leave out the fit");
+  CLI11_PARSE(app, argc, argv);
+  fmt::print("{}\n", machine());
+  if (kernels) run_kernels();
+  const std::string title =
+      fmt::format("{} of {}, {} mm high, {} x {} pixels, {} cells", choice.mesh.empty() ? "bust" : choice.mesh,
+                  choice.material, choice.height, choice.film, choice.film, choice.samples);
+  if (render) print_figures("Renderer: " + title, render_figures(choice));
+  if (fit) print_figures("Fit: " + title, fit_figures(choice));
+  return 0;
+}
+
+}  // namespace
+}  // namespace opaline::bench
+
+int main(int argc, char** argv) {
+  try {
+    return opaline::bench::run(argc, argv);
+  } catch (const opaline::InputError& error) {
+    std::fprintf(stderr, "opaline_bench: %s\n", error.what());
+    return 2;
+  }
+}

@@ -1,0 +1,46 @@
+// What the benchmark prints: a figure reached beside the figure asked, on a named machine.
+#pragma once
+
+#include "render/scene/scene.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace opaline::bench {
+
+struct Figure {
+  std::string name;
+  double reached = 0;
+  double asked = 0;     ///< 0: nothing was asked
+  bool at_most = true;  ///< else at least
+  std::string unit, note;
+};
+
+void print_figures(const std::string& title, const std::vector<Figure>& figures);
+
+/// Processor, cores, vector instructions, compiler.
+std::string machine();
+
+/// Median of the seconds of `runs` calls, after one that is not counted.
+double median_seconds(int runs, const std::function<void()>& call);
+
+/// Peak resident memory of this process [bytes].
+double peak_rss();
+
+struct SceneChoice {
+  std::string mesh;    ///< file; empty: the bust
+  double height = 30;  ///< mm
+  std::string material = "wholemilk";
+  int film = 256;
+  std::size_t samples = 100000;
+  int runs = 5;
+};
+
+/// The object centred, side-lit by one white directional light, filling most of the film.
+Scene bench_scene(const SceneChoice& choice);
+
+std::vector<Figure> render_figures(const SceneChoice& choice);
+std::vector<Figure> fit_figures(const SceneChoice& choice);
+
+}  // namespace opaline::bench
