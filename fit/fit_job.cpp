@@ -26,10 +26,9 @@ void check_counts(const FitJob& job) {
 }
 
 const ProfileInfo& model_of(const FitJob& job) {
-  if (const ProfileInfo* info = find_profile(job.model)) return *info;
-  std::vector<std::string> names;
-  for (const ProfileInfo& info : profiles()) names.push_back(info.name);
-  throw InputError("--model", "", unknown_choice("model", job.model, names));
+  const ProfileInfo* info = find_profile(job.model);
+  if (info != nullptr && info->needs_medium_alone()) return *info;
+  throw InputError("--model", "", unknown_choice("model", job.model, medium_profile_names()));
 }
 
 /// Index of the fitted material: the named one, or the only one that objects use.

@@ -50,9 +50,9 @@ class NumericProfile final : public Profile {
   mutable std::optional<CumulativeTable> table_;
 };
 
-/// The `make` of a registry row.
+/// The `build` of a registry row without parameters.
 template <template <typename> class Formula, typename Dual>
-std::unique_ptr<Profile> make_numeric_profile(const Medium<double>& medium) {
+std::unique_ptr<Profile> make_numeric_profile(const Medium<double>& medium, const ProfileParameters&) {
   return std::make_unique<NumericProfile<Formula, Dual>>(medium);
 }
 
