@@ -1,7 +1,6 @@
 #include "render/irradiance/irradiance.h"
 
-#include "model/fresnel.h"
-#include "render/irradiance/light_sampler.h"
+#include "render/irradiance/entering_light.h"
 
 #include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
@@ -11,55 +10,9 @@
 namespace opaline {
 namespace {
 
-struct CellPoint {
-  glm::vec3 position, face_normal, normal;
-};
-
-/// Position, face normal and shading normal of a point of a cell: the centroid of one quarter.
-CellPoint cell_point(const Mesh& mesh, const SurfaceCell& cell, const glm::vec3& position) {
-  const glm::uvec3 t = mesh.triangles[cell.triangle];
-  const glm::vec3 a = mesh.positions[t.x], ab = mesh.positions[t.y] - a, ac = mesh.positions[t.z] - a;
-  const glm::vec3 n = glm::cross(ab, ac), d = position - a;
-  const float area2 = glm::dot(n, n);
-  const float u = glm::dot(glm::cross(d, ac), n) / area2, v = glm::dot(glm::cross(ab, d), n) / area2;
-  const SurfacePoint p = surface_point(mesh, cell.triangle, u, v);
-  return {position, p.face_normal, p.normal};
-}
-
 std::uint64_t cell_seed(const IrradianceSettings& settings, std::size_t object, std::uint64_t cell) {
   return settings.seed * 0x9e3779b97f4a7c15ull + object * 0x100000001b3ull + cell;
 }
-
-struct Worker {
-  const Scene& scene;
-  const RayScene& rays;
-  const LightSampler& lights;
-  const std::vector<double>& etas;
-  int channels;
-  std::uint64_t done = 0, skipped = 0;
-
-  /// Adds the light that enters at one point to out[eta * channels + channel].
-  void light_point(const CellPoint& p, std::uint64_t seed, std::uint32_t index, double weight, double* out) {
-    lights.for_each(p.position, seed, index, [&](const LightSample& sample) {
-      const float cosine = glm::dot(p.normal, sample.direction);
-      if (cosine <= 0 || glm::dot(p.face_normal, sample.direction) <= 0) {
-        ++skipped;
-        return;
-      }
-      ++done;
-      if (rays.occluded(p.position + rays.offset() * p.face_normal, sample.direction, sample.distance)) return;
-      const double c = std::min(static_cast<double>(cosine), 1.0);
-      for (std::size_t k = 0; k < etas.size(); ++k) {
-        const double entering = weight * c * fresnel_transmittance(c, etas[k]);
-        for (int ch = 0; ch < channels; ++ch)
-          out[k * static_cast<std::size_t>(channels) + static_cast<std::size_t>(ch)] +=
-              entering * static_cast<double>(
-                             channels == 1 ? std::max({sample.irradiance.r, sample.irradiance.g, sample.irradiance.b})
-                                           : sample.irradiance[ch]);
-      }
-    });
-  }
-};
 
 /// Is the cell large against the footprint of a projector it may lie in? Points of such a cell could
 /// all miss the beam.
@@ -84,7 +37,7 @@ class EdgeRefiner {
  public:
   EdgeRefiner(const Scene& scene, const RayScene& rays, const LightSampler& lights, std::size_t object,
               const IrradianceSettings& settings)
-      : scene_(scene), object_(object), settings_(settings), worker_{scene, rays, lights, plain_, 1} {}
+      : scene_(scene), object_(object), settings_(settings), light_{rays, lights, plain_, 1} {}
 
   /// Largest minus smallest irradiance over the cell's quarters, times its area; and its flux.
   std::pair<double, double> spread_and_flux(const SurfaceCell& cell, std::uint64_t number) {
@@ -93,8 +46,8 @@ class EdgeRefiner {
     double lo = 1e300, hi = 0, sum = 0;
     const auto look = [&](const glm::vec3& point, std::uint32_t index) {
       double e = 0;
-      worker_.light_point(cell_point(scene_.objects[object_].mesh, cell, point), cell_seed(settings_, object_, number),
-                          index, 1, &e);
+      light_.add(surface_point_at(scene_.objects[object_].mesh, cell.triangle, point),
+                 cell_seed(settings_, object_, number), index, 1, &e);
       lo = std::min(lo, e), hi = std::max(hi, e);
       return e;
     };
@@ -124,7 +77,7 @@ class EdgeRefiner {
   std::size_t object_;
   IrradianceSettings settings_;
   std::vector<double> plain_{1.0};
-  Worker worker_;
+  EnteringLight light_;
 };
 
 /// Mean flux of a cell of one object. Other objects don't matter, so its cells are the same whoever is looked at.
@@ -181,7 +134,7 @@ std::vector<IrradianceField> compute_irradiance(const Scene& scene, const RaySce
     const auto width = static_cast<std::size_t>(field.width());
     field.values.resize(cells[object].size() * width);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells[object].size(), 256), [&](const auto& range) {
-      Worker worker{scene, rays, lights, eta_nodes[object], channels};
+      EnteringLight light{rays, lights, eta_nodes[object], channels};
       std::vector<double> sum(width);
       for (std::size_t i = range.begin(); i != range.end(); ++i) {
         std::fill(sum.begin(), sum.end(), 0.0);
@@ -189,12 +142,12 @@ std::vector<IrradianceField> compute_irradiance(const Scene& scene, const RaySce
         split_in_four(cells[object][i], quarters);
         const std::uint64_t seed = cell_seed(settings, object, i);
         for (std::uint32_t q = 0; q < 4; ++q)
-          worker.light_point(cell_point(scene.objects[object].mesh, cells[object][i], cell_centroid(quarters[q])), seed,
-                             q, 0.25, sum.data());
+          light.add(surface_point_at(scene.objects[object].mesh, cells[object][i].triangle, cell_centroid(quarters[q])),
+                    seed, q, 0.25, sum.data());
         for (std::size_t k = 0; k < width; ++k) field.values[i * width + k] = static_cast<float>(sum[k]);
       }
-      done += worker.done;
-      skipped += worker.skipped;
+      done += light.done;
+      skipped += light.skipped;
     });
   }
   counters.done["shadow_rays"] += done;

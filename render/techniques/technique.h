@@ -57,6 +57,8 @@ struct Technique {
   bool needs_irradiance = true;
   /// An estimate of transport itself, by chance: no diffusion profile, and the frame has a "variance".
   bool statistical = false;
+  /// Misses light that enters the surface where its views don't look: right where all lit surface is seen.
+  bool only_visible = false;
 };
 
 /// All registered techniques, in the order of CMakeLists.txt.

@@ -7,16 +7,6 @@
 namespace opaline {
 namespace {
 
-struct CameraFrame {
-  glm::dvec3 right, up, forward;
-};
-
-CameraFrame camera_frame(const Camera& camera) {
-  const glm::dvec3 forward = glm::normalize(camera.look_at - camera.position);
-  const glm::dvec3 right = glm::normalize(glm::cross(forward, camera.up));
-  return {right, glm::cross(right, forward), forward};
-}
-
 // A shading normal may point away from the viewer near a silhouette; the face normal is used there, and
 // its cosine counts as positive when the surface is seen from behind.
 VisiblePoint visible_point(std::uint32_t pixel, const SurfaceHit& hit, const Mesh& mesh, const glm::vec3& to_viewer) {
@@ -32,6 +22,12 @@ VisiblePoint visible_point(std::uint32_t pixel, const SurfaceHit& hit, const Mes
 
 }  // namespace
 
+CameraFrame camera_frame(const Camera& camera) {
+  const glm::dvec3 forward = glm::normalize(camera.look_at - camera.position);
+  const glm::dvec3 right = glm::normalize(glm::cross(forward, camera.up));
+  return {right, glm::cross(right, forward), forward};
+}
+
 CameraRay camera_ray(const Camera& camera, const Film& film, double x, double y) {
   const CameraFrame frame = camera_frame(camera);
   const double aspect = static_cast<double>(film.width) / film.height;
@@ -45,13 +41,18 @@ CameraRay camera_ray(const Camera& camera, const Film& film, double x, double y)
 }
 
 GBuffer make_gbuffer(const Scene& scene, const RayScene& rays) {
+  return make_gbuffer(scene, scene.camera, scene.film, rays);
+}
+
+GBuffer make_gbuffer(const Scene& scene, const Camera& camera, const Film& film, const RayScene& rays) {
   GBuffer buffer;
-  buffer.width = scene.film.width;
-  buffer.height = scene.film.height;
+  buffer.width = film.width;
+  buffer.height = film.height;
+  buffer.camera = camera;
   std::vector<std::vector<VisiblePoint>> rows(static_cast<std::size_t>(buffer.height));
   tbb::parallel_for(0, buffer.height, [&](int y) {
     for (int x = 0; x < buffer.width; ++x) {
-      const CameraRay ray = camera_ray(scene.camera, scene.film, x + 0.5, y + 0.5);
+      const CameraRay ray = camera_ray(camera, film, x + 0.5, y + 0.5);
       const SurfaceHit hit = rays.closest(glm::vec3(ray.origin), glm::vec3(ray.direction));
       if (hit.object < 0) continue;
       const auto pixel = static_cast<std::uint32_t>(y * buffer.width + x);

@@ -30,8 +30,18 @@ struct GBuffer {
   int width = 0, height = 0;
   std::vector<VisiblePoint> points;  ///< only pixels on an object, in scanline order
   Counters counters;
+  Camera camera{};  ///< what it was seen with
 };
 
 GBuffer make_gbuffer(const Scene& scene, const RayScene& rays);
+
+/// What another camera sees of the scene.
+GBuffer make_gbuffer(const Scene& scene, const Camera& camera, const Film& film, const RayScene& rays);
+
+/// Unit axes of a camera: x of the film to the right, y up, and the way it looks.
+struct CameraFrame {
+  glm::dvec3 right, up, forward;
+};
+CameraFrame camera_frame(const Camera& camera);
 
 }  // namespace opaline

@@ -100,4 +100,15 @@ SurfacePoint surface_point(const Mesh& mesh, std::uint32_t triangle, float u, fl
   return point;
 }
 
+SurfacePoint surface_point_at(const Mesh& mesh, std::uint32_t triangle, const glm::vec3& position) {
+  const glm::uvec3 t = mesh.triangles[triangle];
+  const glm::vec3 a = mesh.positions[t.x], ab = mesh.positions[t.y] - a, ac = mesh.positions[t.z] - a;
+  const glm::vec3 n = glm::cross(ab, ac), d = position - a;
+  const float area2 = glm::dot(n, n);
+  SurfacePoint point =
+      surface_point(mesh, triangle, glm::dot(glm::cross(d, ac), n) / area2, glm::dot(glm::cross(ab, d), n) / area2);
+  point.position = position;
+  return point;
+}
+
 }  // namespace opaline

@@ -42,4 +42,7 @@ struct SurfacePoint {
 };
 SurfacePoint surface_point(const Mesh& mesh, std::uint32_t triangle, float u, float v);
 
+/// The same at a position in the triangle's plane.
+SurfacePoint surface_point_at(const Mesh& mesh, std::uint32_t triangle, const glm::vec3& position);
+
 }  // namespace opaline

@@ -1,0 +1,50 @@
+// Image-space importance sampling (Mertens et al. 2003): what its CPU and GPU techniques share. See
+// render/techniques/image_space_sampling.md for the derivation, the misprints and the limits.
+#pragma once
+
+#include "render/image_space/irradiance_map.h"
+#include "render/image_space/sample_set.h"
+#include "render/techniques/technique.h"
+
+#include <vector>
+
+namespace opaline {
+
+struct ImageSpaceSettings {
+  std::string profile;
+  int samples = 64, pattern = 4;
+  bool light_views = false;  ///< views=camera+light
+  int light_view_pixels = 512;
+  bool jacobian = true;
+  bool only_valid = false;  ///< normalise=valid
+  enum class Uniform { near_edges, always, never } uniform = Uniform::near_edges;
+  double uniform_share = 0.25;  ///< of the samples, where the uniform set is used
+  double min_plane_cosine = 0;  ///< of the plane of the samples, see turned_to
+  double disc_flux = 0.95;      ///< share of the profiles' flux inside the disc
+};
+
+/// The technique's settings as declared, and as read. Throws InputError for combinations without a meaning.
+std::vector<SettingSpec> image_space_setting_specs();
+ImageSpaceSettings read_image_space_settings(const Settings& settings);
+
+/// One object's profiles and sample sets.
+struct ImageSpaceObject {
+  ChannelProfiles profiles;
+  SampleSets importance, combined;  ///< without and with the uniform set; combined is empty for uniform=never
+  double disc_radius = 0;           ///< [mm]
+};
+std::vector<ImageSpaceObject> image_space_objects(const Scene& scene, const ImageSpaceSettings& settings,
+                                                  std::uint64_t seed);
+
+/// A view with the light that entered at its points.
+struct LitView {
+  GBuffer view;
+  ViewIrradiance irradiance;
+};
+
+/// All samples of all points of the view, from the camera's own irradiance and that of the other views.
+Frame gather_image_space(const Scene& scene, const std::vector<ImageSpaceObject>& objects,
+                         const ImageSpaceSettings& settings, const GBuffer& view, const ViewIrradiance& irradiance,
+                         const std::vector<LitView>& others);
+
+}  // namespace opaline

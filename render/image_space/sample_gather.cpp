@@ -1,0 +1,292 @@
+#include "render/image_space/sample_gather.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "render/image_space/sample_gather.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace opaline::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::ScalableTag<float>;
+using V = hn::Vec<D>;
+using Mask = hn::Mask<D>;
+using Index = hn::Vec<hn::RebindToSigned<D>>;
+constexpr D d;
+constexpr hn::RebindToSigned<D> di;
+
+HWY_INLINE V set(float x) { return hn::Set(d, x); }
+
+/// ProfileTable::View for a vector of squared distances: the same bits, the same cubic.
+HWY_INLINE V look_up(const ProfileTable::View& table, V r2) {
+  const Index bits = hn::BitCast(di, hn::Add(r2, set(table.offset)));
+  const Index segment =
+      hn::Min(hn::Sub(hn::ShiftRight<ProfileTable::segment_shift>(bits), hn::Set(di, table.first_segment)),
+              hn::Set(di, table.last_segment));
+  const Index mask = hn::Set(di, (1 << ProfileTable::segment_shift) - 1);
+  const V f = hn::Mul(hn::ConvertTo(d, hn::And(bits, mask)), set(1.0f / (1 << ProfileTable::segment_shift)));
+  const Index at = hn::ShiftLeft<2>(segment);
+  const V c0 = hn::GatherIndex(d, table.coefficients, at), c1 = hn::GatherIndex(d, table.coefficients + 1, at),
+          c2 = hn::GatherIndex(d, table.coefficients + 2, at), c3 = hn::GatherIndex(d, table.coefficients + 3, at);
+  return hn::MulAdd(hn::MulAdd(hn::MulAdd(c3, f, c2), f, c1), f, c0);
+}
+
+/// Approximate reciprocals, refined once by Newton's method to single precision.
+HWY_INLINE V reciprocal(V x) {
+  const V y = hn::ApproximateReciprocal(x);
+  return hn::MulAdd(y, hn::NegMulAdd(x, y, set(1)), y);
+}
+HWY_INLINE V reciprocal_root(V x) {
+  const V y = hn::ApproximateReciprocalSqrt(x);
+  return hn::Mul(y, hn::NegMulAdd(hn::Mul(hn::Mul(set(0.5f), x), y), y, set(1.5f)));
+}
+
+struct Vec3 {
+  V x, y, z;
+};
+HWY_INLINE V dot(const Vec3& a, const Vec3& b) { return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z))); }
+HWY_INLINE Vec3 sub(const Vec3& a, const Vec3& b) { return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)}; }
+HWY_INLINE Vec3 broadcast(const glm::vec3& a) { return {set(a.x), set(a.y), set(a.z)}; }
+
+/// The point to shade and the plane of its samples in the coordinates of one view.
+struct LocalPoint {
+  glm::vec3 position, tangent, bitangent, normal;
+  float facing;  ///< |n . x| (perspective) or |n_z|: the part of 1 / G(p') that all of the plane shares
+};
+
+LocalPoint local_point(const Projection& view, const SampleGather& g, const glm::vec3& position,
+                       const glm::vec3& normal) {
+  const glm::vec3 x = view.point(position);
+  const glm::vec3 to_viewer = view.perspective ? -glm::normalize(x) : glm::vec3(0, 0, -1);
+  const TangentFrame frame = tangent_frame(turned_to(to_viewer, view.direction(normal), g.min_plane_cosine));
+  return {x, frame.tangent, frame.bitangent, frame.normal,
+          std::abs(view.perspective ? glm::dot(frame.normal, x) : frame.normal.z)};
+}
+
+/// A texel's plane met at a place of the film.
+struct Texel {
+  Mask valid;       ///< it sees the object
+  Index at;         ///< of its first float
+  V depth, sx, sy;  ///< depth at the very place; slopes
+};
+
+/// Texel under film place (px, py); not valid where `inside` isn't.
+HWY_INLINE Texel fetch(const IrradianceMap& map, Mask inside, V px, V py) {
+  inside = hn::And(inside, hn::And(hn::And(hn::Ge(px, hn::Zero(d)), hn::Lt(px, set(static_cast<float>(map.width)))),
+                                   hn::And(hn::Ge(py, hn::Zero(d)), hn::Lt(py, set(static_cast<float>(map.height))))));
+  px = hn::IfThenElseZero(inside, px), py = hn::IfThenElseZero(inside, py);
+  const Index ix = hn::ConvertTo(di, px), iy = hn::ConvertTo(di, py);
+  Texel texel;
+  texel.at = hn::Mul(hn::Add(hn::Mul(iy, hn::Set(di, map.width)), ix), hn::Set(di, map.stride()));
+  const float* t = map.texels.data();
+  texel.sx = hn::GatherIndex(d, t + 1, texel.at), texel.sy = hn::GatherIndex(d, t + 2, texel.at);
+  const V fx = hn::Sub(hn::Sub(px, hn::ConvertTo(d, ix)), set(0.5f)),
+          fy = hn::Sub(hn::Sub(py, hn::ConvertTo(d, iy)), set(0.5f));
+  texel.depth = hn::MulAdd(texel.sx, fx, hn::MulAdd(texel.sy, fy, hn::GatherIndex(d, t, texel.at)));
+  texel.valid = inside;
+  return texel;
+}
+
+/// What one sample found in one view.
+struct Found {
+  Texel texel;
+  Vec3 p;   ///< the surface point, in the view's coordinates
+  V light;  ///< E G of the first channel
+  V per_g;  ///< 1 / G(p'), or 1 without the Jacobian
+};
+
+template <bool Perspective>
+HWY_INLINE Found project(const IrradianceMap& map, const LocalPoint& x, V u, V v, bool jacobian) {
+  const Projection& view = map.projection;
+  const Vec3 t = {hn::MulAdd(u, set(x.tangent.x), hn::MulAdd(v, set(x.bitangent.x), set(x.position.x))),
+                  hn::MulAdd(u, set(x.tangent.y), hn::MulAdd(v, set(x.bitangent.y), set(x.position.y))),
+                  hn::MulAdd(u, set(x.tangent.z), hn::MulAdd(v, set(x.bitangent.z), set(x.position.z)))};
+  Found f;
+  if constexpr (Perspective) {
+    const Mask front = hn::Gt(t.z, set(1e-6f));
+    const V per_z = reciprocal(hn::IfThenElse(front, t.z, set(1))), sx = hn::Mul(t.x, per_z), sy = hn::Mul(t.y, per_z);
+    f.texel = fetch(map, front, hn::MulAdd(sx, set(view.scale), set(view.cx)),
+                    hn::NegMulAdd(sy, set(view.scale), set(view.cy)));
+    const V z = reciprocal(f.texel.depth);
+    f.p = {hn::Mul(sx, z), hn::Mul(sy, z), z};
+  } else {
+    f.texel = fetch(map, hn::Ge(set(1), set(0)), hn::MulAdd(t.x, set(view.scale), set(view.cx)),
+                    hn::NegMulAdd(t.y, set(view.scale), set(view.cy)));
+    f.p = {t.x, t.y, f.texel.depth};
+  }
+  f.light = hn::GatherIndex(d, map.texels.data() + 3, f.texel.at);
+  f.texel.valid = hn::And(f.texel.valid, hn::Ge(f.light, hn::Zero(d)));
+  if (!jacobian) {
+    f.per_g = set(1);
+  } else if constexpr (Perspective) {
+    const V per_d = reciprocal_root(dot(t, t));
+    f.per_g = hn::Mul(hn::Mul(set(x.facing), per_d), hn::Mul(per_d, per_d));
+  } else {
+    f.per_g = set(x.facing);
+  }
+  return f;
+}
+
+/// Density of the sets on the tangent plane at squared distance r2.
+HWY_INLINE V plane_density(const SampleGather& g, V r2) {
+  V sum = hn::IfThenElseZero(hn::Lt(r2, set(g.density.disc_squared)), set(g.density.on_disc));
+  for (int t = 0; t < g.profiles.table_count; ++t)
+    sum = hn::MulAdd(set(g.density.per_table[t]), look_up(g.profiles.tables[t]->view(), r2), sum);
+  return sum;
+}
+
+/// D_v: area density on the surface with which a view's samples meet p, whose texel there is given.
+HWY_INLINE V area_density(const SampleGather& g, const IrradianceMap& map, const LocalPoint& x, const Vec3& p,
+                          const Texel& texel) {
+  const Projection& view = map.projection;
+  const Vec3 n = broadcast(x.normal), origin = broadcast(x.position);
+  const V sx = hn::Mul(texel.sx, set(view.scale)), sy = hn::Mul(texel.sy, set(view.scale));
+  V per_j;
+  Vec3 t = p;  // where the ray to p meets the tangent plane
+  Mask meets;
+  if (view.perspective) {
+    const V k = hn::Div(set(glm::dot(x.normal, x.position)), dot(n, p));
+    meets = hn::Gt(k, hn::Zero(d));
+    t = {hn::Mul(p.x, k), hn::Mul(p.y, k), hn::Mul(p.z, k)};
+    // The texel's plane is m . p = 1, so G(p) = |p|^3 |m|, and J = |m| |n . x| / k^3.
+    const V per_z = hn::Div(set(1), p.z);
+    const V mz = hn::Sub(per_z, hn::Mul(hn::Sub(hn::Mul(sx, p.x), hn::Mul(sy, p.y)), per_z));
+    const V m = hn::Sqrt(hn::MulAdd(sx, sx, hn::MulAdd(sy, sy, hn::Mul(mz, mz))));
+    per_j = hn::Div(hn::Mul(k, hn::Mul(k, k)), hn::Mul(m, set(std::max(x.facing, 1e-20f))));
+  } else {
+    const float nz = std::copysign(std::max(std::abs(x.normal.z), 1e-20f), x.normal.z);
+    t.z = hn::Add(p.z, hn::Mul(dot(n, sub(origin, p)), set(1 / nz)));
+    meets = hn::Ge(set(1), set(0));
+    per_j = hn::Div(set(1 / std::abs(nz)), hn::Sqrt(hn::MulAdd(sx, sx, hn::MulAdd(sy, sy, set(1)))));
+  }
+  const Vec3 offset = sub(t, origin);
+  const V density = plane_density(g, hn::Min(dot(offset, offset), set(1e30f)));
+  return hn::IfThenElseZero(meets, g.jacobian ? hn::Mul(density, per_j) : density);
+}
+
+/// D of another view for points p of this one: 0 where the other doesn't see them.
+HWY_INLINE V other_density(const SampleGather& g, const IrradianceMap& from, const IrradianceMap& to,
+                           const LocalPoint& x, const Vec3& p) {
+  const Projection &a = from.projection, &b = to.projection;
+  const glm::mat3 turn(b.to_camera * glm::transpose(a.to_camera));
+  const glm::vec3 shift(b.to_camera * (a.origin - b.origin));
+  const auto row = [&](int i) HWY_ATTR {
+    return hn::MulAdd(set(turn[0][i]), p.x,
+                      hn::MulAdd(set(turn[1][i]), p.y, hn::MulAdd(set(turn[2][i]), p.z, set(shift[i]))));
+  };
+  const Vec3 q = {row(0), row(1), row(2)};
+  const Mask front = b.perspective ? hn::Gt(q.z, set(1e-6f)) : hn::Ge(set(1), set(0));
+  const V per_z = b.perspective ? hn::Div(set(1), hn::IfThenElse(front, q.z, set(1))) : set(1);
+  const V depth = b.perspective ? per_z : q.z;
+  Texel texel = fetch(to, front, hn::MulAdd(hn::Mul(q.x, per_z), set(b.scale), set(b.cx)),
+                      hn::NegMulAdd(hn::Mul(q.y, per_z), set(b.scale), set(b.cy)));
+  texel.valid = hn::And(texel.valid, hn::Ge(hn::GatherIndex(d, to.texels.data() + 3, texel.at), hn::Zero(d)));
+  // Seen: at the depth of the texel, within what the depth changes over a pixel and a pixel's width.
+  const V width = hn::Mul(hn::Abs(b.perspective ? per_z : set(1)), set(1 / b.scale));
+  const V allowed = hn::Add(hn::Add(hn::Abs(texel.sx), hn::Abs(texel.sy)), width);
+  const Mask seen = hn::And(texel.valid, hn::Le(hn::Abs(hn::Sub(depth, texel.depth)), allowed));
+  return hn::IfThenElseZero(seen, area_density(g, to, x, q, texel));
+}
+
+/// Share of this view in what it found, over all views.
+HWY_INLINE V view_weight(const SampleGather& g, std::size_t own, const LocalPoint* locals, const Found& f) {
+  const V mine = area_density(g, g.views[own], locals[own], f.p, f.texel);
+  V sum = mine;
+  for (std::size_t o = 0; o < g.views.size(); ++o)
+    if (o != own && g.views[o].lit) sum = hn::Add(sum, other_density(g, g.views[own], g.views[o], locals[o], f.p));
+  return hn::IfThenElse(hn::Gt(sum, set(0)), hn::Div(mine, hn::Max(sum, set(1e-37f))), set(0));
+}
+
+HWY_INLINE float total(V sum) { return hn::GetLane(hn::SumOfLanes(d, sum)); }
+
+/// Tables: distinct profiles against one irradiance channel; 0: three channels, each with its table.
+template <bool Perspective, int Tables>
+HWY_INLINE void gather_view(const SampleGather& g, const SampleSet& set_of, std::size_t view, const LocalPoint* locals,
+                            GatherResult& result) {
+  constexpr int sums = Tables == 0 ? 3 : Tables;
+  const IrradianceMap& map = g.views[view];
+  const LocalPoint& x = locals[view];
+  const Vec3 origin = broadcast(x.position);
+  ProfileTable::View tables[sums];
+  for (int s = 0; s < sums; ++s) tables[s] = g.profiles.tables[Tables == 0 ? g.profiles.table_of[s] : s]->view();
+  V sum[sums], valid[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
+  for (int s = 0; s < sums; ++s) sum[s] = hn::Zero(d);
+  for (std::size_t i = 0; i < set_of.count; i += hn::Lanes(d)) {
+    const V weight = hn::LoadU(d, &set_of.weight[i]);
+    Found f = project<Perspective>(map, x, hn::LoadU(d, &set_of.u[i]), hn::LoadU(d, &set_of.v[i]), g.jacobian);
+    f.texel.valid = hn::And(f.texel.valid, hn::Gt(weight, hn::Zero(d)));
+    if (g.count_valid)
+      for (int t = 0; t < g.profiles.table_count; ++t)
+        valid[t] = hn::Add(valid[t], hn::IfThenElseZero(f.texel.valid, hn::LoadU(d, &set_of.share[t][i])));
+    V light[3] = {f.light, f.light, f.light}, brightest = f.light;
+    for (int c = 1; c < 3 && Tables == 0; ++c) {
+      light[c] = hn::GatherIndex(d, map.texels.data() + 3 + c, f.texel.at);
+      brightest = hn::Max(brightest, light[c]);
+    }
+    const Mask lit = hn::And(f.texel.valid, hn::Gt(brightest, hn::Zero(d)));
+    result.met += hn::CountTrue(d, f.texel.valid);
+    if (hn::AllFalse(d, lit)) continue;
+    result.lit += hn::CountTrue(d, lit);
+    result.looked_up += std::min(hn::Lanes(d), set_of.count - i);
+    const Vec3 offset = sub(f.p, origin);
+    const V r2 = hn::IfThenElseZero(lit, dot(offset, offset));
+    V factor = hn::IfThenElseZero(lit, hn::Mul(weight, f.per_g));
+    if (g.views.size() > 1) factor = hn::IfThenElseZero(lit, hn::Mul(factor, view_weight(g, view, locals, f)));
+    for (int s = 0; s < sums; ++s) sum[s] = hn::MulAdd(hn::Mul(factor, light[s]), look_up(tables[s], r2), sum[s]);
+  }
+  for (int s = 0; s < sums; ++s) result.sums[s] += total(sum[s]);
+  for (int t = 0; t < g.profiles.table_count && g.count_valid; ++t) result.valid[t] += total(valid[t]);
+}
+
+template <int Tables>
+HWY_INLINE void gather_views(const SampleGather& g, const SampleSet& set_of, const glm::vec3& position,
+                             const glm::vec3& normal, GatherResult& result) {
+  LocalPoint locals[SampleGather::max_views];
+  for (std::size_t v = 0; v < g.views.size(); ++v)
+    if (g.views[v].lit) locals[v] = local_point(g.views[v].projection, g, position, normal);
+  for (std::size_t v = 0; v < g.views.size(); ++v) {
+    if (!g.views[v].lit) continue;
+    if (g.views[v].projection.perspective)
+      gather_view<true, Tables>(g, set_of, v, locals, result);
+    else
+      gather_view<false, Tables>(g, set_of, v, locals, result);
+  }
+}
+
+void gather_samples(const SampleGather& g, const SampleSet& set_of, const glm::vec3& position, const glm::vec3& normal,
+                    GatherResult& result) {
+  if (g.views[0].channels == 3) return gather_views<0>(g, set_of, position, normal, result);
+  if (g.profiles.table_count == 1) return gather_views<1>(g, set_of, position, normal, result);
+  if (g.profiles.table_count == 2) return gather_views<2>(g, set_of, position, normal, result);
+  gather_views<3>(g, set_of, position, normal, result);
+}
+
+}  // namespace opaline::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace opaline {
+
+HWY_EXPORT(gather_samples);
+
+void gather_samples(const SampleGather& gather, const SampleSet& set, const glm::vec3& position,
+                    const glm::vec3& normal, GatherResult& result) {
+  HWY_DYNAMIC_DISPATCH(gather_samples)(gather, set, position, normal, result);
+}
+
+TangentFrame tangent_frame(const glm::vec3& normal) {
+  const glm::vec3 helper = std::abs(normal.x) < 0.5f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
+  const glm::vec3 tangent = glm::normalize(glm::cross(normal, helper));
+  return {normal, tangent, glm::cross(normal, tangent)};
+}
+
+glm::vec3 turned_to(const glm::vec3& viewer, const glm::vec3& normal, float min_cosine) {
+  const float cosine = glm::dot(viewer, normal);
+  if (std::abs(cosine) >= min_cosine) return normal;
+  const glm::vec3 side = normal - cosine * viewer;
+  return std::copysign(min_cosine, cosine) * viewer + std::sqrt(1 - min_cosine * min_cosine) / glm::length(side) * side;
+}
+
+}  // namespace opaline
+#endif
