@@ -13,7 +13,7 @@ install(TARGETS opaline_model opaline_render opaline_fit opaline_datasets
 # Folder by folder, because installing by pattern would also make a folder for every one without headers.
 file(GLOB_RECURSE headers CONFIGURE_DEPENDS RELATIVE ${PROJECT_SOURCE_DIR}
      model/*.h render/*.h fit/*.h datasets_synthetic/*.h)
-list(FILTER headers EXCLUDE REGEX "/cmd/")
+list(FILTER headers EXCLUDE REGEX "/cmd/|/glad/")
 foreach(header IN LISTS headers)
   cmake_path(GET header PARENT_PATH folder)
   install(FILES ${header} DESTINATION include/opaline/${folder})
