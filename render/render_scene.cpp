@@ -1,6 +1,7 @@
 #include "render/render_scene.h"
 
 #include "render/choices.h"
+#include "render/gl/context.h"
 #include "render/input_error.h"
 #include "render/stopwatch.h"
 
@@ -20,6 +21,7 @@ const Technique& checked_technique(const RenderOptions& options) {
                      fmt::format("technique '{}' has no backend '{}'; it has: {}", technique.name, options.backend,
                                  join_names(backends)));
   }
+  [[maybe_unused]] const gl::Api api = gl::parse_api(options.gl);                  // throws
   [[maybe_unused]] const Settings settings(technique.settings, options.settings);  // throws
   return technique;
 }
@@ -55,13 +57,19 @@ RenderResult render_scene(const Scene& scene, const RenderOptions& options, cons
   RenderResult result;
   result.backend = options.backend.empty() ? technique.backends.front() : options.backend;
   result.settings = settings.values();
+  std::unique_ptr<gl::Context> context;
+  if (result.backend == "gpu") {
+    context = gl::Context::create(gl::parse_api(options.gl));
+    result.device = context->info().description();
+  }
   stage("irradiance");
   Stopwatch watch;
   const SharedScene shared(scene, options.shared, technique.needs_irradiance);
   result.seconds.irradiance = shared.seconds.irradiance;
   result.seconds.gbuffer = std::max(0.0, watch.lap() - shared.seconds.irradiance);
   stage("prepare");
-  const auto prepared = technique.prepare(shared, settings);
+  const auto prepared =
+      context ? technique.prepare_gpu(shared, settings, *context) : technique.prepare(shared, settings);
   result.seconds.prepare = watch.lap();
   stage("render");
   const Frame frame = prepared->render(shared.view);

@@ -13,6 +13,7 @@ namespace opaline {
 struct RenderOptions {
   std::string technique = "hierarchical";
   std::string backend;                          ///< empty: the technique's first
+  std::string gl;                               ///< which GL the gpu backend uses: "egl", "osmesa", or empty: any
   std::map<std::string, std::string> settings;  ///< of the technique; what is left out has its default
   SharedSettings shared;
   ExitLobe exit_lobe = ExitLobe::normalised;
@@ -27,6 +28,7 @@ struct RenderResult {
   Image image;                          ///< R, G, B, A as `shade` makes it
   std::map<std::string, Image> layers;  ///< what else the technique knows per pixel: "variance", "bound"
   std::string backend;                  ///< the one used
+  std::string device;                   ///< of the gpu backend: its renderer; empty for the processor
   std::map<std::string, std::string> settings;
   Counters counters;
   RenderSeconds seconds;
@@ -39,7 +41,8 @@ using StageObserver = std::function<void(const std::string& stage)>;
 /// naming the valid ones. Needs no scene: call it before the work of loading one.
 void check_render_options(const RenderOptions& options);
 
-/// Throws InputError as check_render_options, and when the technique cannot render the scene.
+/// Throws InputError as check_render_options, and when the technique cannot render the scene; MachineError
+/// when the gpu backend is asked for and there is no GL. Without it no GL context is made.
 RenderResult render_scene(const Scene& scene, const RenderOptions& options, const StageObserver& observer = {});
 
 /// The header of the image file, as attributes: opaline:technique, backend, settings (JSON), scene

@@ -17,7 +17,7 @@ namespace {
 struct Arguments {
   std::string scene, out, png, stats, exit_lobe = "normalised";
   std::vector<std::string> settings;
-  RenderOptions render{.technique = "", .backend = {}, .settings = {}, .shared = {}, .exit_lobe = {}};
+  RenderOptions render{.technique = "", .backend = {}, .gl = {}, .settings = {}, .shared = {}, .exit_lobe = {}};
   int threads = 0;
 };
 
@@ -69,6 +69,7 @@ void add_render_command(CLI::App& app, const ShapeLibrary& shapes) {
   render->add_option("SCENE", a->scene, "Scene file (JSON)");
   render->add_option("--technique", a->render.technique, "Rendering technique; --list shows all");
   render->add_option("--backend", a->render.backend, "cpu or gpu (default: the technique's first)");
+  render->add_option("--gl", a->render.gl, "GL of the gpu backend: egl or osmesa (default: hardware, else software)");
   render->add_option("--set", a->settings, "Setting of the technique, key=value; may be repeated")
       ->allow_extra_args(false);
   render->add_option("--out", a->out,

@@ -43,7 +43,7 @@ Json render_stats(const RenderOptions& options, const RenderResult& result, doub
   const RenderSeconds& s = result.seconds;
   return {{"technique", options.technique},
           {"backend", result.backend},
-          {"device", cpu_device()},
+          {"device", result.device.empty() ? cpu_device() : result.device},
           {"seconds",
            {{"load", load},
             {"gbuffer", s.gbuffer},

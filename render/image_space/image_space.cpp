@@ -15,13 +15,6 @@ namespace {
 
 using Uniform = ImageSpaceSettings::Uniform;
 
-/// Which points get the combined set.
-std::vector<std::uint8_t> combined_points(const GBuffer& view, const ViewIrradiance& irradiance, double radius,
-                                          Uniform uniform) {
-  if (uniform == Uniform::near_edges) return near_light_edges(view, irradiance, radius);
-  return std::vector<std::uint8_t>(view.points.size(), uniform == Uniform::always);
-}
-
 /// The points of one object, summed in parallel.
 class ObjectGather {
  public:
@@ -30,9 +23,9 @@ class ObjectGather {
       : object_(object),
         settings_(settings),
         view_(view),
-        colour_(irradiance.colour),
+        irradiance_(irradiance),
         maps_(std::move(maps)),
-        combined_(combined_points(view, irradiance, object.disc_radius, settings.uniform)) {}
+        combined_(combined_points(object, settings, view, irradiance)) {}
 
   void run(const std::vector<std::uint32_t>& indices, Frame& frame) {
     std::mutex mutex;
@@ -58,14 +51,7 @@ class ObjectGather {
                     static_cast<float>(settings_.min_plane_cosine)},
                    set, p.position, p.normal, result);
     counts.met += result.met, counts.lit += result.lit, counts.looked_up += result.looked_up;
-    glm::vec3 b;
-    for (int c = 0; c < 3; ++c) {
-      const int table = object_.profiles.sum().table_of[c];
-      b[c] = result.sums[maps_[0].channels == 1 ? table : c] * static_cast<float>(colour_[c]);
-      if (settings_.only_valid && result.valid[table] > 0)
-        b[c] *= static_cast<float>(object_.profiles.profile(c).total()) / result.valid[table];
-    }
-    return b;
+    return exitance_of(object_, settings_, irradiance_, result.sums, result.valid);
   }
 
   void add_counts(const GatherResult& counts, std::size_t points, std::uint64_t with_uniform,
@@ -84,7 +70,7 @@ class ObjectGather {
   const ImageSpaceObject& object_;
   const ImageSpaceSettings& settings_;
   const GBuffer& view_;
-  Rgb colour_;
+  const ViewIrradiance& irradiance_;
   std::vector<IrradianceMap> maps_;
   std::vector<std::uint8_t> combined_;
 };
@@ -97,6 +83,24 @@ int whole_number(const Settings& settings, const std::string& key) {
 }
 
 }  // namespace
+
+glm::vec3 exitance_of(const ImageSpaceObject& object, const ImageSpaceSettings& settings,
+                      const ViewIrradiance& irradiance, const float* sums, const float* valid) {
+  glm::vec3 b;
+  for (int c = 0; c < 3; ++c) {
+    const int table = object.profiles.sum().table_of[c];
+    b[c] = sums[irradiance.channels == 1 ? table : c] * static_cast<float>(irradiance.colour[c]);
+    if (settings.only_valid && valid[table] > 0)
+      b[c] *= static_cast<float>(object.profiles.profile(c).total()) / valid[table];
+  }
+  return b;
+}
+
+std::vector<std::uint8_t> combined_points(const ImageSpaceObject& object, const ImageSpaceSettings& settings,
+                                          const GBuffer& view, const ViewIrradiance& irradiance) {
+  if (settings.uniform == Uniform::near_edges) return near_light_edges(view, irradiance, object.disc_radius);
+  return std::vector<std::uint8_t>(view.points.size(), settings.uniform == Uniform::always);
+}
 
 std::vector<SettingSpec> image_space_setting_specs() {
   return {

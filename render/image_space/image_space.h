@@ -42,9 +42,22 @@ struct LitView {
   ViewIrradiance irradiance;
 };
 
+/// B from what the samples of a point summed to (per distinct profile, or per channel of a coloured irradiance) and
+/// from the shares of those that met the object (used with normalise=valid).
+glm::vec3 exitance_of(const ImageSpaceObject& object, const ImageSpaceSettings& settings,
+                      const ViewIrradiance& irradiance, const float* sums, const float* valid);
+
+/// Which points of the view get the object's combined set: one byte each.
+std::vector<std::uint8_t> combined_points(const ImageSpaceObject& object, const ImageSpaceSettings& settings,
+                                          const GBuffer& view, const ViewIrradiance& irradiance);
+
 /// All samples of all points of the view, from the camera's own irradiance and that of the other views.
 Frame gather_image_space(const Scene& scene, const std::vector<ImageSpaceObject>& objects,
                          const ImageSpaceSettings& settings, const GBuffer& view, const ViewIrradiance& irradiance,
                          const std::vector<LitView>& others);
+
+/// The technique's GPU twin: the gather in a fragment shader, from the camera's irradiance alone.
+std::unique_ptr<PreparedTechnique> prepare_image_space_sampling_gl(const SharedScene& shared, const Settings& settings,
+                                                                   const gl::Context& context);
 
 }  // namespace opaline

@@ -4,25 +4,37 @@
 namespace opaline {
 namespace {
 
-std::unique_ptr<PreparedTechnique> prepare(const SharedScene& shared, const Settings& settings) {
+GatherSettings gather_settings(const Settings& settings) {
   GatherSettings gather;
   gather.criterion = GatherSettings::Criterion::none;
   gather.max_relative_error = settings.number("cell_error");
-  return prepare_gather(shared, settings.word("profile"), gather);
+  return gather;
+}
+
+std::unique_ptr<PreparedTechnique> prepare(const SharedScene& shared, const Settings& settings) {
+  return prepare_gather(shared, settings.word("profile"), gather_settings(settings));
+}
+
+std::unique_ptr<PreparedTechnique> prepare_gpu(const SharedScene& shared, const Settings& settings,
+                                               const gl::Context& context) {
+  return prepare_gather_gl(shared, settings.word("profile"), gather_settings(settings), context);
 }
 
 }  // namespace
 
 Technique brute_force_technique() {
-  return {"brute_force",
-          "every cell for every pixel; cells near the pixel are split until they are small",
-          "Jensen, Marschner, Levoy, Hanrahan 2001, \"A Practical Model for Subsurface Light Transport\"",
-          {"cpu"},
-          "any scene; time grows with pixels x cells",
-          {profile_setting(), {"cell_error", "1e-5", "relative error below which a cell stays whole", {}, 1e-9, 1}},
-          {.camera = false, .light = true, .material = true, .geometry = true},
-          gather_not_applicable,
-          prepare};
+  return {.name = "brute_force",
+          .summary = "every cell for every pixel; cells near the pixel are split until they are small",
+          .citation = "Jensen, Marschner, Levoy, Hanrahan 2001, \"A Practical Model for Subsurface Light Transport\"",
+          .backends = {"cpu", "gpu"},
+          .limits = "any scene; time grows with pixels x cells",
+          .settings = {profile_setting(),
+                       {"cell_error", "1e-5", "relative error below which a cell stays whole", {}, 1e-9, 1}},
+          .invalidated_by = {.camera = false, .light = true, .material = true, .geometry = true},
+          .not_applicable = gather_not_applicable,
+          .prepare = prepare,
+          .prepare_gpu = prepare_gpu,
+          .twin_tolerance = 2e-5};
 }
 
 }  // namespace opaline

@@ -10,6 +10,10 @@ namespace opaline {
 std::unique_ptr<PreparedTechnique> prepare_gather(const SharedScene& shared, const std::string& profile,
                                                   const GatherSettings& settings);
 
+/// The same on the GPU. The tree and the tables are made on the processor.
+std::unique_ptr<PreparedTechnique> prepare_gather_gl(const SharedScene& shared, const std::string& profile,
+                                                     const GatherSettings& settings, const gl::Context& context);
+
 /// The setting `profile`: any registered one.
 SettingSpec profile_setting();
 

@@ -56,16 +56,18 @@ Technique image_space_sampling_technique() {
           .summary = "importance samples on each pixel's tangent plane, projected into an image of the irradiance",
           .citation =
               "Mertens, Kautz, Bekaert, Van Reeth, Seidel 2003, \"Efficient Rendering of Local Subsurface Scattering\"",
-          .backends = {"cpu"},
+          .backends = {"cpu", "gpu"},
           .limits =
               "gathers only light that enters where the camera (or, with views=camera+light, a light) sees the "
-              "object; needs all pixels of the view; noise falls with samples",
+              "object; needs all pixels of the view; the gpu backend has the camera's view alone",
           .settings = image_space_setting_specs(),
           .invalidated_by = {.camera = false, .light = true, .material = true, .geometry = true},
           .not_applicable = gather_not_applicable,
           .prepare = prepare,
           .needs_irradiance = false,
-          .only_visible = true};
+          .only_visible = true,
+          .prepare_gpu = prepare_image_space_sampling_gl,
+          .twin_tolerance = 5e-4};
 }
 
 }  // namespace opaline

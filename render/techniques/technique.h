@@ -20,6 +20,10 @@
 
 namespace opaline {
 
+namespace gl {
+class Context;
+}
+
 /// Which edits of the scene need prepare again.
 struct InvalidatedBy {
   bool camera = false, light = false, material = false, geometry = false;
@@ -59,6 +63,11 @@ struct Technique {
   bool statistical = false;
   /// Misses light that enters the surface where its views don't look: right where all lit surface is seen.
   bool only_visible = false;
+  /// The GPU's twin of prepare, if backends has "gpu". The context must outlive the result.
+  std::unique_ptr<PreparedTechnique> (*prepare_gpu)(const SharedScene& shared, const Settings& settings,
+                                                    const gl::Context& context) = nullptr;
+  /// Most that the twins differ, fed the same scene and view: RMS of the difference over the RMS of the value.
+  double twin_tolerance = 0;
 };
 
 /// All registered techniques, in the order of CMakeLists.txt.

@@ -420,7 +420,10 @@ TEST(ImageSpaceSampling, TakesAtMostFifteenLightViews) {
   Scene scene = projected_slab(half_white(), 8);
   scene.lights.resize(16, scene.lights[0]);
   const SharedScene shared(scene, {1, {}}, false);
-  EXPECT_THAT(test::message_of([&] { render(shared, {{"views", "camera+light"}}); }), HasSubstr("at most 15 lights"));
+  EXPECT_THAT(test::message_of([&] {
+                render(shared, {{"views", "camera+light"}, {"light_view_pixels", "16"}});
+              }),
+              HasSubstr("at most 15 lights"));
 }
 
 }  // namespace

@@ -43,4 +43,7 @@ Scene bench_scene(const SceneChoice& choice);
 std::vector<Figure> render_figures(const SceneChoice& choice);
 std::vector<Figure> fit_figures(const SceneChoice& choice);
 
+/// Of image_space_sampling: figures and tables, on scenes of its own; `runs` is all that counts of the choice.
+void print_image_space_figures(const SceneChoice& choice);
+
 }  // namespace opaline::bench

@@ -1,0 +1,24 @@
+// Diffusion profiles as a row of floats for shaders: read with render/gl/profile.glsl, never retyped there.
+#pragma once
+
+#include "render/gl/program.h"
+#include "render/gl/resources.h"
+#include "render/irradiance/profile_gather.h"
+
+namespace opaline::gl {
+
+/// R of the distinct profiles of a material in R, G and B of one texture, their inverse scale in A (see
+/// ChannelProfiles::inverse_scale), linear in log2(r^2 + core^2 / 4).
+/// Error of the interpolation: below 1e-4 of R where R falls no faster than r^-10; beyond r_max R(r_max).
+class ProfileTexture {
+ public:
+  ProfileTexture(const Context& context, const ChannelProfiles& profiles, double r_max);
+  /// Sets the uniforms of profile.glsl and binds the texture.
+  void bind(const Program& program, int unit) const;
+
+ private:
+  glm::vec3 map_;  ///< offset; scale and shift from log2 to the texture's coordinate
+  Texture1D texture_;
+};
+
+}  // namespace opaline::gl

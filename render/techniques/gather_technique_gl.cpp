@@ -1,0 +1,160 @@
+// brute_force and hierarchical on the GPU: the cluster tree as a buffer with skip pointers, a query per invocation.
+#include "model/check.h"
+#include "render/gl/profile_texture.h"
+#include "render/techniques/gather_technique.h"
+
+#include <algorithm>
+
+namespace opaline {
+namespace {
+
+using gl::Buffer;
+using Criterion = GatherSettings::Criterion;
+
+/// As gather.comp reads it.
+struct GlNode {
+  glm::vec4 centroid, covariance, more;
+  glm::uvec4 links;
+};
+
+std::vector<GlNode> gl_nodes(const ClusterTree& tree) {
+  std::vector<GlNode> nodes;
+  nodes.reserve(tree.nodes.size());
+  for (const ClusterNode& n : tree.nodes) {
+    const float* c = n.covariance;
+    nodes.push_back(
+        {glm::vec4(n.centroid, n.radius), {c[0], c[1], c[2], c[3]}, {c[4], c[5], n.area, 0}, {n.skip, n.cell, 0, 0}});
+  }
+  return nodes;
+}
+
+std::vector<glm::vec4> gl_cells(const SurfaceCells& cells) {
+  std::vector<glm::vec4> corners;
+  corners.reserve(3 * cells.size());
+  for (const SurfaceCell& cell : cells)
+    for (const glm::vec3& p : {cell.a, cell.b, cell.c}) corners.emplace_back(p, 0);
+  return corners;
+}
+
+struct GlObject {
+  ClusterTree tree;
+  ChannelProfiles profiles;
+  gl::ProfileTexture texture;
+  Buffer nodes, mass, first_moment, cells;
+
+  GlObject(const gl::Context& context, ClusterTree t, ChannelProfiles p, const SurfaceCells& surface, double r_max)
+      : tree(std::move(t)),
+        profiles(std::move(p)),
+        texture(context, profiles, r_max),
+        nodes(context, gl_nodes(tree)),
+        mass(context, tree.mass),
+        first_moment(context, tree.first_moment),
+        cells(context, gl_cells(surface)) {}
+};
+
+class GlGather : public PreparedTechnique {
+ public:
+  GlGather(const SharedScene& shared, const ProfileInfo& profile, const GatherSettings& settings,
+           const gl::Context& context)
+      : shared_(shared),
+        settings_(settings),
+        context_(context),
+        program_(context,
+                 {{gl::StageKind::compute,
+                   {gl::shader_file("render/gl/profile.glsl"), gl::shader_file("render/techniques/gather.comp")}}}) {
+    for (std::size_t i = 0; i < shared.scene.objects.size(); ++i) {
+      const Object& object = shared.scene.objects[i];
+      const double r_max = 1.01 * diameter(object.mesh);
+      objects_.push_back(std::make_unique<GlObject>(
+          context, build_cluster_tree(shared.cells[i], shared.irradiance[i]),
+          ChannelProfiles(profile, shared.scene.materials[static_cast<std::size_t>(object.material)], r_max),
+          shared.cells[i], r_max));
+    }
+  }
+
+  Frame render(const GBuffer& view) const override {
+    Frame frame;
+    frame.exitance.assign(view.points.size(), glm::vec3(0));
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      const ObjectPoints points = points_of_object(view, static_cast<int>(i));
+      if (!points.indices.empty() && !objects_[i]->tree.nodes.empty()) gather(i, points, frame);
+      frame.counters.done["queries"] += points.indices.size();
+      frame.counters.done["channels"] += static_cast<std::uint64_t>(objects_[i]->profiles.distinct());
+      frame.counters.skipped["equal_channels"] += 3 - static_cast<std::uint64_t>(objects_[i]->profiles.distinct());
+      frame.counters.skipped["dark_cells"] += objects_[i]->tree.dark_cells;
+    }
+    return frame;
+  }
+
+ private:
+  void gather(std::size_t i, const ObjectPoints& points, Frame& frame) const {
+    const GlObject& object = *objects_[i];
+    std::vector<glm::vec4> positions;
+    for (const glm::vec3& p : points.positions) positions.emplace_back(p, 0);
+    const Buffer queries(context_, positions), sums(context_, std::vector<glm::vec4>(positions.size(), glm::vec4(0)));
+    const std::vector<glm::vec4> zeros(positions.size(), glm::vec4(0));
+    const Buffer carries(context_, zeros), walks(context_, zeros);
+    const Buffer* buffers[] = {&object.nodes, &object.mass, &object.first_moment, &object.cells, &queries, &sums,
+                               &carries,      &walks};
+    for (unsigned binding = 0; binding < 8; ++binding) buffers[binding]->bind_storage(binding);
+    object.texture.bind(program_, 0);
+    set_uniforms(object);
+    frame.counters.done["dispatches"] += dispatch(positions.size());
+    const std::vector<glm::vec4> result = sums.read<glm::vec4>();
+    for (std::size_t k = 0; k < result.size(); ++k)
+      for (int c = 0; c < 3; ++c) {
+        const int s = object.tree.masses == 1 ? object.profiles.sum().table_of[c] : c;
+        frame.exitance[points.indices[k]][c] = result[k][s] * static_cast<float>(shared_.irradiance[i].colour[c]);
+      }
+  }
+
+  void set_uniforms(const GlObject& object) const {
+    program_.set("node_count", static_cast<int>(object.tree.nodes.size()));
+    program_.set("masses", object.tree.masses);
+    program_.set("clusters", int{settings_.criterion == Criterion::error});
+    program_.set("solid_angle", int{settings_.criterion == Criterion::solid_angle});
+    program_.set("tolerance", static_cast<float>(settings_.max_relative_error));
+    program_.set("quality", static_cast<float>(settings_.quality));
+    program_.set("core_squared", object.profiles.core_radius() * object.profiles.core_radius());
+    const int* table = object.profiles.sum().table_of;
+    program_.set("tables", glm::vec3(table[0], table[1], table[2]));
+  }
+
+  /// In parts of at most 1e9 steps, lest a driver thinks that the device hangs, each repeated until all its queries
+  /// are through the tree; returns the number of dispatches.
+  std::uint64_t dispatch(std::size_t queries) const {
+    constexpr std::size_t group = 64, steps = 4096, part = 1'000'000'000 / steps / group * group;
+    std::uint64_t count = 0;
+    program_.set("steps", static_cast<int>(steps));
+    for (std::size_t first = 0; first < queries; first += part) {
+      const std::size_t last = std::min(first + part, queries);
+      program_.set("first_query", static_cast<int>(first));
+      program_.set("last_query", static_cast<int>(last));
+      for (int unfinished = 1; unfinished > 0; ++count) {
+        const Buffer progress(context_, std::vector<int>{0});
+        progress.bind_storage(8);
+        program_.dispatch(static_cast<unsigned>((last - first + group - 1) / group));
+        unfinished = progress.read<int>()[0];
+      }
+    }
+    context_.check_errors();
+    return count;
+  }
+
+  const SharedScene& shared_;
+  GatherSettings settings_;
+  const gl::Context& context_;
+  gl::Program program_;
+  std::vector<std::unique_ptr<GlObject>> objects_;
+};
+
+}  // namespace
+
+std::unique_ptr<PreparedTechnique> prepare_gather_gl(const SharedScene& shared, const std::string& profile,
+                                                     const GatherSettings& settings, const gl::Context& context) {
+  const ProfileInfo* info = find_profile(profile);
+  OPALINE_CHECK(info);
+  return std::make_unique<GlGather>(shared, *info, settings, context);
+}
+
+}  // namespace opaline

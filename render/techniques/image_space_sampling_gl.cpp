@@ -1,0 +1,195 @@
+// The gather of image_space_sampling in one fragment shader pass per object.
+#include "render/gl/profile_texture.h"
+#include "render/image_space/image_space.h"
+#include "render/input_error.h"
+#include "render/visibility/convexity.h"
+
+#include <algorithm>
+
+namespace opaline {
+namespace {
+
+using gl::Format;
+using gl::Texture2D;
+
+/// Samples of the importance sets and, below them, of the combined ones: a row per set.
+struct SampleTextures {
+  Texture2D places, shares;
+};
+
+void add_rows(const SampleSets& sets, std::size_t width, std::vector<float>& places, std::vector<float>& shares) {
+  for (const SampleSet& set : sets.sets) {
+    for (std::size_t i = 0; i < width; ++i) {
+      const bool real = i < set.count;
+      places.insert(places.end(), {real ? set.u[i] : 0, real ? set.v[i] : 0, real ? set.weight[i] : 0, 0});
+      for (std::size_t t = 0; t < 3; ++t) shares.push_back(real ? set.share[t][i] : 0);
+      shares.push_back(0);
+    }
+  }
+}
+
+std::unique_ptr<SampleTextures> sample_textures(const gl::Context& context, const ImageSpaceObject& object,
+                                                const ImageSpaceSettings& settings) {
+  std::vector<float> places, shares;
+  const auto width = static_cast<std::size_t>(settings.samples);
+  const bool has_importance = !object.importance.sets.empty();
+  // Row numbers count from the importance sets; where only one kind is used it stands for both.
+  add_rows(has_importance ? object.importance : object.combined, width, places, shares);
+  add_rows(object.combined.sets.empty() ? object.importance : object.combined, width, places, shares);
+  const int rows = 2 * settings.pattern * settings.pattern;
+  return std::unique_ptr<SampleTextures>(
+      new SampleTextures{Texture2D(context, settings.samples, rows, Format::rgba32f, places.data()),
+                         Texture2D(context, settings.samples, rows, Format::rgba32f, shares.data())});
+}
+
+/// The irradiance image and the points to shade, texel by texel of an object's rectangle.
+struct ObjectImages {
+  std::vector<float> texels, more_light, points, normals;
+};
+
+ObjectImages object_images(const IrradianceMap& map, const GBuffer& view, const ObjectPoints& points,
+                           const std::vector<std::uint8_t>& combined, const glm::ivec2& corner) {
+  const auto count = static_cast<std::size_t>(map.width * map.height), stride = static_cast<std::size_t>(map.stride());
+  ObjectImages images;
+  images.points.assign(4 * count, -1), images.normals.resize(4 * count);
+  if (map.channels == 1) {
+    images.texels = map.texels;
+  } else {
+    images.texels.resize(4 * count), images.more_light.resize(4 * count);
+    for (std::size_t i = 0; i < count; ++i) {
+      std::copy_n(&map.texels[i * stride], 4, &images.texels[4 * i]);
+      std::copy_n(&map.texels[i * stride + 4], 2, &images.more_light[4 * i]);
+    }
+  }
+  for (const std::uint32_t k : points.indices) {
+    const VisiblePoint& p = view.points[k];
+    const int x = static_cast<int>(p.pixel) % view.width - corner.x,
+              y = static_cast<int>(p.pixel) / view.width - corner.y;
+    const auto at = static_cast<std::size_t>(4 * (y * map.width + x));
+    const glm::vec3 place = map.projection.point(p.position), normal = map.projection.direction(p.normal);
+    for (int axis = 0; axis < 3; ++axis)
+      images.points[at + static_cast<std::size_t>(axis)] = place[axis],
+                         images.normals[at + static_cast<std::size_t>(axis)] = normal[axis];
+    images.points[at + 3] = combined[k];
+  }
+  return images;
+}
+
+class GlSampling : public PreparedTechnique {
+ public:
+  GlSampling(const SharedScene& shared, const ImageSpaceSettings& settings, const gl::Context& context)
+      : shared_(shared),
+        settings_(settings),
+        context_(context),
+        unshadowed_(nothing_in_shadow(shared.scene)),
+        objects_(image_space_objects(shared.scene, settings, shared.settings.irradiance.seed)),
+        program_(context, {{gl::StageKind::vertex, {gl::shader_file("render/gl/fullscreen.vert")}},
+                           {gl::StageKind::fragment,
+                            {gl::shader_file("render/gl/profile.glsl"),
+                             gl::shader_file("render/techniques/image_space_sampling.frag")}}}),
+        film_(context, {}) {
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      samples_.push_back(sample_textures(context, objects_[i], settings));
+      profiles_.push_back(std::make_unique<gl::ProfileTexture>(context, objects_[i].profiles,
+                                                               1.01 * diameter(shared.scene.objects[i].mesh)));
+    }
+  }
+
+  Frame render(const GBuffer& view) const override {
+    Frame frame;
+    frame.exitance.assign(view.points.size(), glm::vec3(0));
+    const ViewIrradiance irradiance =
+        view_irradiance(shared_.scene, shared_.rays, view, shared_.settings.irradiance, unshadowed_, frame.counters);
+    for (std::size_t i = 0; i < objects_.size(); ++i) {
+      const ObjectPoints points = points_of_object(view, static_cast<int>(i));
+      if (!points.indices.empty()) shade_object(i, view, irradiance, points, frame);
+    }
+    return frame;
+  }
+
+ private:
+  void shade_object(std::size_t i, const GBuffer& view, const ViewIrradiance& irradiance, const ObjectPoints& points,
+                    Frame& frame) const {
+    const IrradianceMap map =
+        make_irradiance_map(shared_.scene, view, irradiance, static_cast<int>(i), settings_.jacobian);
+    frame.counters.done["channels"] += static_cast<std::uint64_t>(objects_[i].profiles.distinct());
+    frame.counters.skipped["equal_channels"] += 3 - static_cast<std::uint64_t>(objects_[i].profiles.distinct());
+    if (!map.lit) return;
+    const Projection whole = projection_of(view.camera, view.width, view.height);
+    const glm::ivec2 corner(std::lround(whole.cx - map.projection.cx), std::lround(whole.cy - map.projection.cy));
+    const std::vector<std::uint8_t> combined = combined_points(objects_[i], settings_, view, irradiance);
+    const ObjectImages images = object_images(map, view, points, combined, corner);
+    const Texture2D sums(context_, map.width, map.height, Format::rgba32f),
+        valid(context_, map.width, map.height, Format::rgba32f);
+    draw(i, map, images, corner, sums, valid);
+    const std::vector<float> sum = sums.read(),
+                             share = settings_.only_valid ? valid.read() : std::vector<float>(sum.size());
+    for (const std::uint32_t k : points.indices) {
+      const int x = static_cast<int>(view.points[k].pixel) % view.width - corner.x,
+                y = static_cast<int>(view.points[k].pixel) / view.width - corner.y;
+      const auto at = static_cast<std::size_t>(4 * (y * map.width + x));
+      frame.exitance[k] = exitance_of(objects_[i], settings_, irradiance, &sum[at], &share[at]);
+    }
+    frame.counters.done["samples"] += points.indices.size() * static_cast<std::uint64_t>(settings_.samples);
+  }
+
+  void draw(std::size_t i, const IrradianceMap& map, const ObjectImages& images, const glm::ivec2& corner,
+            const Texture2D& sums, const Texture2D& valid) const {
+    const auto upload = [&](const std::vector<float>& data) {
+      return Texture2D(context_, map.width, map.height, Format::rgba32f, data.empty() ? nullptr : data.data());
+    };
+    const Texture2D texels = upload(images.texels), more = upload(images.more_light), points = upload(images.points),
+                    normals = upload(images.normals);
+    const Texture2D* inputs[] = {&texels, &more, &points, &normals, &samples_[i]->places, &samples_[i]->shares};
+    const char* names[] = {"texels", "more_light", "points", "normals", "sample_places", "sample_shares"};
+    for (int unit = 0; unit < 6; ++unit) {
+      inputs[unit]->bind(static_cast<unsigned>(unit));
+      program_.set(names[unit], unit);
+    }
+    profiles_[i]->bind(program_, 6);
+    set_uniforms(i, map, corner);
+    const Texture2D* targets[] = {&sums, &valid};
+    const gl::Framebuffer target(context_, targets);
+    target.bind();
+    program_.use();
+    film_.draw_triangles(3);
+    context_.check_errors();
+  }
+
+  void set_uniforms(std::size_t i, const IrradianceMap& map, const glm::ivec2& corner) const {
+    program_.set("film", glm::vec3(map.projection.scale, map.projection.cx, map.projection.cy));
+    program_.set("size", glm::ivec2(map.width, map.height));
+    program_.set("corner", corner);
+    program_.set("perspective", int{map.projection.perspective});
+    program_.set("samples", settings_.samples);
+    program_.set("pattern", settings_.pattern);
+    program_.set("coloured", int{map.channels == 3});
+    program_.set("jacobian", int{settings_.jacobian});
+    program_.set("count_valid", int{settings_.only_valid});
+    program_.set("min_plane_cosine", static_cast<float>(settings_.min_plane_cosine));
+    const int* table = objects_[i].profiles.sum().table_of;
+    program_.set("tables", glm::vec3(table[0], table[1], table[2]));
+  }
+
+  const SharedScene& shared_;
+  ImageSpaceSettings settings_;
+  const gl::Context& context_;
+  bool unshadowed_;
+  std::vector<ImageSpaceObject> objects_;
+  gl::Program program_;
+  gl::VertexArray film_;
+  std::vector<std::unique_ptr<SampleTextures>> samples_;
+  std::vector<std::unique_ptr<gl::ProfileTexture>> profiles_;
+};
+
+}  // namespace
+
+std::unique_ptr<PreparedTechnique> prepare_image_space_sampling_gl(const SharedScene& shared, const Settings& given,
+                                                                   const gl::Context& context) {
+  const ImageSpaceSettings settings = read_image_space_settings(given);
+  if (settings.light_views)
+    throw InputError("--set views", "", "the gpu backend has the camera's view alone; use --backend cpu");
+  return std::make_unique<GlSampling>(shared, settings, context);
+}
+
+}  // namespace opaline
