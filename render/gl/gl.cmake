@@ -7,6 +7,7 @@ target_sources(opaline_render PRIVATE
   gl/program.cpp
   gl/profile_texture.cpp
   gl/resources.cpp
+  gl/shadow_irradiance.cpp
   gl/glad/src/gl.c)
 # Generated C that is C++ as well; its warnings are not ours.
 set_source_files_properties(gl/glad/src/gl.c PROPERTIES LANGUAGE CXX COMPILE_OPTIONS "-w")

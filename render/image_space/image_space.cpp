@@ -108,6 +108,11 @@ std::vector<SettingSpec> image_space_setting_specs() {
       {"samples_per_pixel", "64", "N, in each view, a whole number", {}, 8, 1024},
       {"pattern", "4", "side of the interleaved pattern of sample sets, a whole number; 1: one set", {}, 1, 16},
       {"views", "camera", "irradiance images: the camera's, or also one from each light", {"camera", "camera+light"}},
+      {"irradiance",
+       "traced",
+       "by shadow rays, or (gpu, lights without extent) by shadow maps",
+       {"traced", "shadow_maps"}},
+      {"shadow_map_pixels", "2048", "side of each shadow map", {}, 16, 16384},
       {"light_view_pixels", "512", "side of the lights' images, which show all of the scene", {}, 16, 4096},
       {"jacobian", "on", "off: areas on the tangent plane stand for those of the surface (the paper)", {"on", "off"}},
       {"normalise",
@@ -135,6 +140,8 @@ ImageSpaceSettings read_image_space_settings(const Settings& settings) {
   s.pattern = whole_number(settings, "pattern");
   s.light_views = settings.word("views") == "camera+light";
   s.light_view_pixels = whole_number(settings, "light_view_pixels");
+  s.shadow_maps = settings.word("irradiance") == "shadow_maps";
+  s.shadow_map_pixels = whole_number(settings, "shadow_map_pixels");
   s.jacobian = settings.word("jacobian") == "on";
   s.only_valid = settings.word("normalise") == "valid";
   s.uniform = settings.word("uniform") == "always"  ? Uniform::always

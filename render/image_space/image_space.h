@@ -15,6 +15,8 @@ struct ImageSpaceSettings {
   int samples = 64, pattern = 4;
   bool light_views = false;  ///< views=camera+light
   int light_view_pixels = 512;
+  bool shadow_maps = false;  ///< irradiance=shadow_maps
+  int shadow_map_pixels = 2048;
   bool jacobian = true;
   bool only_valid = false;  ///< normalise=valid
   enum class Uniform { near_edges, always, never } uniform = Uniform::near_edges;

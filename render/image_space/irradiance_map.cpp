@@ -1,6 +1,10 @@
 #include "render/image_space/irradiance_map.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -51,6 +55,21 @@ glm::vec3 face_normal(const Mesh& mesh, std::uint32_t triangle) {
   return glm::normalize(glm::cross(mesh.positions[t.y] - a, mesh.positions[t.z] - a));
 }
 
+/// True if there is any light.
+bool write_texel(const IrradianceMap& map, const VisiblePoint& point, const Mesh& mesh, const float* e, bool weighted,
+                 float* texel) {
+  const Projection& view = map.projection;
+  const glm::vec3 p = view.point(point.position), n = view.direction(face_normal(mesh, point.triangle));
+  const Plane plane = view.perspective ? perspective_plane(view, p, n) : orthographic_plane(view, p, n);
+  texel[0] = plane.depth, texel[1] = plane.slope_x, texel[2] = plane.slope_y;
+  bool lit = false;
+  for (int c = 0; c < map.channels; ++c) {
+    texel[3 + c] = weighted ? e[c] * plane.g : e[c];
+    lit = lit || e[c] > 0;
+  }
+  return lit;
+}
+
 IrradianceMap empty_map(const GBuffer& view, const Rectangle& r, int channels) {
   IrradianceMap map;
   map.projection = projection_of(view.camera, view.width, view.height);
@@ -69,23 +88,22 @@ IrradianceMap make_irradiance_map(const Scene& scene, const GBuffer& view, const
   if (r.x1 < 0) return {};
   IrradianceMap map = empty_map(view, r, irradiance.channels);
   const Mesh& mesh = scene.objects[static_cast<std::size_t>(object)].mesh;
-  for (std::size_t i = 0; i < view.points.size(); ++i) {
-    const VisiblePoint& point = view.points[i];
-    if (point.object != object) continue;
-    const int x = static_cast<int>(point.pixel) % view.width - r.x0,
-              y = static_cast<int>(point.pixel) / view.width - r.y0;
-    const glm::vec3 p = map.projection.point(point.position),
-                    n = map.projection.direction(face_normal(mesh, point.triangle));
-    const Plane plane =
-        map.projection.perspective ? perspective_plane(map.projection, p, n) : orthographic_plane(map.projection, p, n);
-    float* texel = &map.texels[static_cast<std::size_t>((y * map.width + x) * map.stride())];
-    texel[0] = plane.depth, texel[1] = plane.slope_x, texel[2] = plane.slope_y;
-    for (int c = 0; c < map.channels; ++c) {
-      const float e = irradiance.values[i * static_cast<std::size_t>(map.channels) + static_cast<std::size_t>(c)];
-      texel[3 + c] = weighted ? e * plane.g : e;
-      map.lit = map.lit || e > 0;
+  std::atomic<bool> lit = false;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, view.points.size(), 1024), [&](const auto& range) {
+    bool any = false;
+    for (std::size_t i = range.begin(); i != range.end(); ++i) {
+      const VisiblePoint& point = view.points[i];
+      if (point.object != object) continue;
+      const float* e = &irradiance.values[i * static_cast<std::size_t>(map.channels)];
+      const int x = static_cast<int>(point.pixel) % view.width - r.x0,
+                y = static_cast<int>(point.pixel) / view.width - r.y0;
+      any = write_texel(map, point, mesh, e, weighted,
+                        &map.texels[static_cast<std::size_t>((y * map.width + x) * map.stride())]) ||
+            any;
     }
-  }
+    if (any) lit = true;
+  });
+  map.lit = lit;
   return map;
 }
 

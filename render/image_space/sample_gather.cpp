@@ -69,6 +69,7 @@ struct Texel {
   Mask valid;       ///< it sees the object
   Index at;         ///< of its first float
   V depth, sx, sy;  ///< depth at the very place; slopes
+  V fx, fy;         ///< the place, from the texel's centre [pixels]
 };
 
 /// Texel under film place (px, py); not valid where `inside` isn't.
@@ -81,9 +82,9 @@ HWY_INLINE Texel fetch(const IrradianceMap& map, Mask inside, V px, V py) {
   texel.at = hn::Mul(hn::Add(hn::Mul(iy, hn::Set(di, map.width)), ix), hn::Set(di, map.stride()));
   const float* t = map.texels.data();
   texel.sx = hn::GatherIndex(d, t + 1, texel.at), texel.sy = hn::GatherIndex(d, t + 2, texel.at);
-  const V fx = hn::Sub(hn::Sub(px, hn::ConvertTo(d, ix)), set(0.5f)),
-          fy = hn::Sub(hn::Sub(py, hn::ConvertTo(d, iy)), set(0.5f));
-  texel.depth = hn::MulAdd(texel.sx, fx, hn::MulAdd(texel.sy, fy, hn::GatherIndex(d, t, texel.at)));
+  texel.fx = hn::Sub(hn::Sub(px, hn::ConvertTo(d, ix)), set(0.5f));
+  texel.fy = hn::Sub(hn::Sub(py, hn::ConvertTo(d, iy)), set(0.5f));
+  texel.depth = hn::MulAdd(texel.sx, texel.fx, hn::MulAdd(texel.sy, texel.fy, hn::GatherIndex(d, t, texel.at)));
   texel.valid = inside;
   return texel;
 }
@@ -136,65 +137,90 @@ HWY_INLINE V plane_density(const SampleGather& g, V r2) {
   return sum;
 }
 
+/// Outward normal of a texel's plane at its point p, in the view's coordinates. Its length is |m| of the plane
+/// m . p = 1 (perspective), or the secant of its slope (orthographic).
+HWY_INLINE Vec3 texel_normal(const Projection& view, const Texel& texel, const Vec3& p) {
+  const V sx = hn::Mul(texel.sx, set(view.scale)), sy = hn::Mul(texel.sy, set(view.scale));
+  if (!view.perspective) return {sx, hn::Neg(sy), set(-1)};
+  const V per_z = hn::Div(set(1), p.z);
+  const V mz = hn::Mul(per_z, hn::Sub(set(1), hn::Sub(hn::Mul(sx, p.x), hn::Mul(sy, p.y))));
+  return {hn::Neg(sx), sy, hn::Neg(mz)};
+}
+
 /// D_v: area density on the surface with which a view's samples meet p, whose texel there is given.
 HWY_INLINE V area_density(const SampleGather& g, const IrradianceMap& map, const LocalPoint& x, const Vec3& p,
                           const Texel& texel) {
-  const Projection& view = map.projection;
-  const Vec3 n = broadcast(x.normal), origin = broadcast(x.position);
-  const V sx = hn::Mul(texel.sx, set(view.scale)), sy = hn::Mul(texel.sy, set(view.scale));
+  const Vec3 n = broadcast(x.normal), origin = broadcast(x.position), m = texel_normal(map.projection, texel, p);
+  const V steepness = hn::Sqrt(dot(m, m));
   V per_j;
   Vec3 t = p;  // where the ray to p meets the tangent plane
   Mask meets;
-  if (view.perspective) {
+  if (map.projection.perspective) {
     const V k = hn::Div(set(glm::dot(x.normal, x.position)), dot(n, p));
     meets = hn::Gt(k, hn::Zero(d));
     t = {hn::Mul(p.x, k), hn::Mul(p.y, k), hn::Mul(p.z, k)};
-    // The texel's plane is m . p = 1, so G(p) = |p|^3 |m|, and J = |m| |n . x| / k^3.
-    const V per_z = hn::Div(set(1), p.z);
-    const V mz = hn::Sub(per_z, hn::Mul(hn::Sub(hn::Mul(sx, p.x), hn::Mul(sy, p.y)), per_z));
-    const V m = hn::Sqrt(hn::MulAdd(sx, sx, hn::MulAdd(sy, sy, hn::Mul(mz, mz))));
-    per_j = hn::Div(hn::Mul(k, hn::Mul(k, k)), hn::Mul(m, set(std::max(x.facing, 1e-20f))));
+    // G(p) = |p|^3 |m|, so J = |m| |n . x| / k^3.
+    per_j = hn::Div(hn::Mul(k, hn::Mul(k, k)), hn::Mul(steepness, set(std::max(x.facing, 1e-20f))));
   } else {
     const float nz = std::copysign(std::max(std::abs(x.normal.z), 1e-20f), x.normal.z);
     t.z = hn::Add(p.z, hn::Mul(dot(n, sub(origin, p)), set(1 / nz)));
     meets = hn::Ge(set(1), set(0));
-    per_j = hn::Div(set(1 / std::abs(nz)), hn::Sqrt(hn::MulAdd(sx, sx, hn::MulAdd(sy, sy, set(1)))));
+    per_j = hn::Div(set(1 / std::abs(nz)), steepness);
   }
   const Vec3 offset = sub(t, origin);
   const V density = plane_density(g, hn::Min(dot(offset, offset), set(1e30f)));
   return hn::IfThenElseZero(meets, g.jacobian ? hn::Mul(density, per_j) : density);
 }
 
-/// D of another view for points p of this one: 0 where the other doesn't see them.
+/// Columns of a matrix times a vector.
+HWY_INLINE Vec3 turned(const glm::mat3& m, const Vec3& v) {
+  const auto row = [&](int i) HWY_ATTR {
+    return hn::MulAdd(set(m[0][i]), v.x, hn::MulAdd(set(m[1][i]), v.y, hn::Mul(set(m[2][i]), v.z)));
+  };
+  return {row(0), row(1), row(2)};
+}
+
+/// D of another view for a point p of this one with an outward normal: 0 where the other doesn't see it.
 HWY_INLINE V other_density(const SampleGather& g, const IrradianceMap& from, const IrradianceMap& to,
-                           const LocalPoint& x, const Vec3& p) {
+                           const LocalPoint& x, const Vec3& p, const Vec3& normal) {
   const Projection &a = from.projection, &b = to.projection;
   const glm::mat3 turn(b.to_camera * glm::transpose(a.to_camera));
   const glm::vec3 shift(b.to_camera * (a.origin - b.origin));
-  const auto row = [&](int i) HWY_ATTR {
-    return hn::MulAdd(set(turn[0][i]), p.x,
-                      hn::MulAdd(set(turn[1][i]), p.y, hn::MulAdd(set(turn[2][i]), p.z, set(shift[i]))));
-  };
-  const Vec3 q = {row(0), row(1), row(2)};
-  const Mask front = b.perspective ? hn::Gt(q.z, set(1e-6f)) : hn::Ge(set(1), set(0));
-  const V per_z = b.perspective ? hn::Div(set(1), hn::IfThenElse(front, q.z, set(1))) : set(1);
+  const Vec3 q0 = turned(turn, p), n = turned(turn, normal);
+  const Vec3 q = {hn::Add(q0.x, set(shift.x)), hn::Add(q0.y, set(shift.y)), hn::Add(q0.z, set(shift.z))};
+  // The far side of something thin is no deeper than a pixel is wide, but it faces away.
+  Mask seen = hn::Lt(b.perspective ? dot(n, q) : n.z, hn::Zero(d));
+  if (b.perspective) seen = hn::And(seen, hn::Gt(q.z, set(1e-6f)));
+  const V per_z = b.perspective ? hn::Div(set(1), hn::IfThenElse(seen, q.z, set(1))) : set(1);
   const V depth = b.perspective ? per_z : q.z;
-  Texel texel = fetch(to, front, hn::MulAdd(hn::Mul(q.x, per_z), set(b.scale), set(b.cx)),
-                      hn::NegMulAdd(hn::Mul(q.y, per_z), set(b.scale), set(b.cy)));
-  texel.valid = hn::And(texel.valid, hn::Ge(hn::GatherIndex(d, to.texels.data() + 3, texel.at), hn::Zero(d)));
-  // Seen: at the depth of the texel, within what the depth changes over a pixel and a pixel's width.
-  const V width = hn::Mul(hn::Abs(b.perspective ? per_z : set(1)), set(1 / b.scale));
+  const Texel texel = fetch(to, seen, hn::MulAdd(hn::Mul(q.x, per_z), set(b.scale), set(b.cx)),
+                            hn::NegMulAdd(hn::Mul(q.y, per_z), set(b.scale), set(b.cy)));
+  seen = hn::And(texel.valid, hn::Ge(hn::GatherIndex(d, to.texels.data() + 3, texel.at), hn::Zero(d)));
+  // At the depth of the texel, within what the depth changes over a pixel and a pixel's width.
+  const V width = hn::Mul(hn::Abs(per_z), set(1 / b.scale));
   const V allowed = hn::Add(hn::Add(hn::Abs(texel.sx), hn::Abs(texel.sy)), width);
-  const Mask seen = hn::And(texel.valid, hn::Le(hn::Abs(hn::Sub(depth, texel.depth)), allowed));
+  seen = hn::And(seen, hn::Le(hn::Abs(hn::Sub(depth, texel.depth)), allowed));
   return hn::IfThenElseZero(seen, area_density(g, to, x, q, texel));
+}
+
+/// The surface point in the middle of the texel that was found: one that the view really saw. (A plane is far off the
+/// surface at the far end of a texel seen at a grazing angle, and no other view would know it.)
+HWY_INLINE Vec3 texel_centre(const Projection& view, const Found& f) {
+  const V depth = hn::NegMulAdd(f.texel.sx, f.texel.fx, hn::NegMulAdd(f.texel.sy, f.texel.fy, f.texel.depth));
+  const V dx = hn::Mul(f.texel.fx, set(1 / view.scale)), dy = hn::Mul(f.texel.fy, set(1 / view.scale));
+  if (!view.perspective) return {hn::Sub(f.p.x, dx), hn::Add(f.p.y, dy), depth};
+  const V z = reciprocal(depth), per_z = reciprocal(f.p.z);
+  return {hn::Mul(hn::MulSub(f.p.x, per_z, dx), z), hn::Mul(hn::MulAdd(f.p.y, per_z, dy), z), z};
 }
 
 /// Share of this view in what it found, over all views.
 HWY_INLINE V view_weight(const SampleGather& g, std::size_t own, const LocalPoint* locals, const Found& f) {
-  const V mine = area_density(g, g.views[own], locals[own], f.p, f.texel);
+  const Vec3 p = texel_centre(g.views[own].projection, f), normal = texel_normal(g.views[own].projection, f.texel, p);
+  const V mine = area_density(g, g.views[own], locals[own], p, f.texel);
   V sum = mine;
   for (std::size_t o = 0; o < g.views.size(); ++o)
-    if (o != own && g.views[o].lit) sum = hn::Add(sum, other_density(g, g.views[own], g.views[o], locals[o], f.p));
+    if (o != own && g.views[o].lit)
+      sum = hn::Add(sum, other_density(g, g.views[own], g.views[o], locals[o], p, normal));
   return hn::IfThenElse(hn::Gt(sum, set(0)), hn::Div(mine, hn::Max(sum, set(1e-37f))), set(0));
 }
 

@@ -31,6 +31,7 @@ ViewIrradiance view_irradiance(const Scene& scene, const RayScene& rays, const G
   irradiance.values.resize(view.points.size() * channels);
   std::atomic<std::uint64_t> done = 0, skipped = 0, spared = 0;
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, view.points.size(), 512), [&](const auto& range) {
+    std::uint64_t cast = 0, away = 0, not_needed = 0;
     for (std::size_t i = range.begin(); i != range.end(); ++i) {
       const VisiblePoint& p = view.points[i];
       const auto object = static_cast<std::size_t>(p.object);
@@ -39,8 +40,9 @@ ViewIrradiance view_irradiance(const Scene& scene, const RayScene& rays, const G
       light.add(surface_point_at(scene.objects[object].mesh, p.triangle, p.position), settings.seed ^ p.pixel, 0, 1,
                 sum);
       for (std::size_t c = 0; c < channels; ++c) irradiance.values[i * channels + c] = static_cast<float>(sum[c]);
-      done += light.done, skipped += light.skipped, spared += light.spared;
+      cast += light.done, away += light.skipped, not_needed += light.spared;
     }
+    done += cast, skipped += away, spared += not_needed;
   });
   counters.done["shadow_rays"] += done;
   counters.skipped["shadow_rays_facing_away"] += skipped;

@@ -46,7 +46,9 @@ class PreparedSampling : public PreparedTechnique {
 };
 
 std::unique_ptr<PreparedTechnique> prepare(const SharedScene& shared, const Settings& settings) {
-  return std::make_unique<PreparedSampling>(shared, read_image_space_settings(settings));
+  const ImageSpaceSettings read = read_image_space_settings(settings);
+  if (read.shadow_maps) throw InputError("--set irradiance", "", "shadow maps need --backend gpu");
+  return std::make_unique<PreparedSampling>(shared, read);
 }
 
 }  // namespace

@@ -54,7 +54,8 @@ void main() {
     if (max(light.x, max(light.y, light.z)) <= 0.0) continue;
     float depth = texel.x + dot(texel.yz, at - vec2(pixel) - 0.5);
     vec3 p = perspective != 0 ? vec3(slope, 1.0) / depth : vec3(slope, depth);
-    float per_g = jacobian == 0 ? 1.0 : facing * (perspective != 0 ? pow(dot(t, t), -1.5) : 1.0);
+    float per_d = inversesqrt(dot(t, t));
+    float per_g = jacobian == 0 ? 1.0 : facing * (perspective != 0 ? per_d * per_d * per_d : 1.0);
     vec3 r = profile(dot(p - x, p - x));
     if (coloured != 0) r = vec3(r[table.x], r[table.y], r[table.z]);
     sums.rgb += place.z * per_g * light * r;

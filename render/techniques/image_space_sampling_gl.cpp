@@ -1,5 +1,6 @@
 // The gather of image_space_sampling in one fragment shader pass per object.
 #include "render/gl/profile_texture.h"
+#include "render/gl/shadow_irradiance.h"
 #include "render/image_space/image_space.h"
 #include "render/input_error.h"
 #include "render/visibility/convexity.h"
@@ -88,6 +89,8 @@ class GlSampling : public PreparedTechnique {
                             {gl::shader_file("render/gl/profile.glsl"),
                              gl::shader_file("render/techniques/image_space_sampling.frag")}}}),
         film_(context, {}) {
+    if (settings.shadow_maps)
+      shadow_maps_ = std::make_unique<gl::ShadowIrradiance>(context, shared.scene, settings.shadow_map_pixels);
     for (std::size_t i = 0; i < objects_.size(); ++i) {
       samples_.push_back(sample_textures(context, objects_[i], settings));
       profiles_.push_back(std::make_unique<gl::ProfileTexture>(context, objects_[i].profiles,
@@ -98,8 +101,10 @@ class GlSampling : public PreparedTechnique {
   Frame render(const GBuffer& view) const override {
     Frame frame;
     frame.exitance.assign(view.points.size(), glm::vec3(0));
-    const ViewIrradiance irradiance =
-        view_irradiance(shared_.scene, shared_.rays, view, shared_.settings.irradiance, unshadowed_, frame.counters);
+    const ViewIrradiance irradiance = shadow_maps_
+                                          ? shadow_maps_->at(view, frame.counters)
+                                          : view_irradiance(shared_.scene, shared_.rays, view,
+                                                            shared_.settings.irradiance, unshadowed_, frame.counters);
     for (std::size_t i = 0; i < objects_.size(); ++i) {
       const ObjectPoints points = points_of_object(view, static_cast<int>(i));
       if (!points.indices.empty()) shade_object(i, view, irradiance, points, frame);
@@ -178,6 +183,7 @@ class GlSampling : public PreparedTechnique {
   std::vector<ImageSpaceObject> objects_;
   gl::Program program_;
   gl::VertexArray film_;
+  std::unique_ptr<gl::ShadowIrradiance> shadow_maps_;  ///< null: shadow rays
   std::vector<std::unique_ptr<SampleTextures>> samples_;
   std::vector<std::unique_ptr<gl::ProfileTexture>> profiles_;
 };

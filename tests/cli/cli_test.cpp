@@ -42,11 +42,12 @@ class Cli : public ::testing::Test {
     folder_.write("scene.json", scene.dump());
   }
 
-  Ending run(const std::string& arguments) {
+  /// environment: "NAME=value ...", or none.
+  Ending run(const std::string& arguments, const std::string& environment = "") {
     const std::string number = std::to_string(runs_++), out = logs_.file("out" + number),
                       err = logs_.file("err" + number);
-    const std::string command = "cd '" + folder_.file("") + "' && '" OPALINE_BINARY "' " + arguments + " >'" + out +
-                                "' 2>'" + err + "' </dev/null";
+    const std::string command = "cd '" + folder_.file("") + "' && " + environment + " '" OPALINE_BINARY "' " +
+                                arguments + " >'" + out + "' 2>'" + err + "' </dev/null";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, content(out), content(err)};
   }
@@ -97,7 +98,8 @@ TEST_F(Cli, NamesTheValidChoices) {
   expect_wrong("render scene.json --technique guess --out a.exr", {"guess", "hierarchical", "brute_force"});
   expect_wrong(std::string(fast_render) + "a.exr --set color=red", {"color", "max_relative_error"});
   expect_wrong(std::string(fast_render) + "a.exr --set quality=good", {"quality", "good"});
-  expect_wrong(std::string(fast_render) + "a.exr --backend gpu", {"gpu", "cpu"});
+  expect_wrong(std::string(fast_render) + "a.exr --backend tpu", {"tpu", "cpu", "gpu"});
+  expect_wrong(std::string(fast_render) + "a.exr --backend gpu --gl vulkan", {"--gl", "vulkan", "egl", "osmesa"});
   expect_wrong(std::string(fast_render) + "a.exr --exit-lobe round", {"round", "normalised", "jensen"});
   expect_wrong("dataset make bust --out d", {"bust_skin1", "sphere_wholemilk"});
 }
@@ -202,6 +204,19 @@ TEST_F(Cli, MakesADatasetThatComparesAsItsNoise) {
   EXPECT_EQ(run("compare again.exr d/clean.exr --max-rmse 0").status, 0);
   EXPECT_EQ(run("render d/scene.json --technique hierarchical --samples 2000 --out start.exr").status, 0);
   EXPECT_EQ(run("compare start.exr d/clean.exr --max-relative-rmse 0.05").status, 1) << "the start isn't the answer";
+}
+
+TEST_F(Cli, WithoutGlTheGpuBackendEndsWith3AndTheProcessorWorks) {
+  // Found first and no libraries at all: a machine without GL.
+  const std::string folder = folder_.file("lib");
+  fs::create_directory(folder);
+  for (const char* name : {"lib/libOSMesa.so.8", "lib/libEGL.so.1"}) folder_.write(name, "not a library\n");
+  const std::string no_gl = "LD_LIBRARY_PATH='" + folder + "'";
+  const Ending gpu = run(std::string(fast_render) + "a.exr --backend gpu", no_gl);
+  EXPECT_EQ(gpu.status, 3);
+  EXPECT_THAT(gpu.err, AllOf(HasSubstr("no OpenGL 4.3"), HasSubstr("libOSMesa.so.8"), HasSubstr("libEGL.so.1")));
+  EXPECT_FALSE(fs::exists(folder_.file("a.exr")));
+  EXPECT_EQ(run(std::string(fast_render) + "a.exr", no_gl).status, 0);
 }
 
 TEST_F(Cli, ListsRecipesAndTechniques) {

@@ -295,14 +295,14 @@ TEST_P(OnAFlatSlab, TheMeanOverSeedsIsTheReference) {
                                       reference(waves_on_a_slab(true), 30000, 1e-4)};
   const Frame& exact = references[oblique];
   std::vector<Frame> frames;
-  for (std::uint64_t seed = 1; seed <= 16; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     const SharedScene shared(scene, {1, {.seed = seed}}, false);
     Given given = GetParam().given;
     given["samples_per_pixel"] = "128", given["pattern"] = "16";
     frames.push_back(render(shared, given));
   }
   for (int c = 0; c < 3; ++c)
-    for (const auto& [low, high] : {std::pair(0.1f, 1.0f), std::pair(0.5f, 1.0f), std::pair(0.03f, 0.3f)}) {
+    for (const auto& [low, high] : {std::pair(0.1f, 1.0f), std::pair(0.5f, 1.0f), std::pair(0.06f, 0.3f)}) {
       const Agreement a = agreement(frames, exact, c, low, high);
       EXPECT_LT(a.error, 1e-3) << "channel " << c << " from " << low;
       EXPECT_LT(std::abs(a.mean), 3 * a.error + 5e-4) << "channel " << c << " from " << low << " +- " << a.error;
@@ -337,8 +337,9 @@ TEST(ImageSpaceSampling, NormalisedByValidSamplesIsExactUnderEvenLight) {
   }
 }
 
+// The slab is thinner than a pixel is wide: the side that is lit must not be taken for the one that is seen.
 TEST(ImageSpaceSampling, SeesLightFromBehindOnlyWithTheLightsView) {
-  Scene scene = test::make_scene(make_slab({60, 60, 1.5}, 400), test::library_material("skin1"), 12, 24);
+  Scene scene = test::make_scene(make_slab({60, 60, 0.4}, 400), test::library_material("skin1"), 12, 24);
   scene.lights = {DirectionalLight{glm::normalize(glm::dvec3(0.3, 0, 1)), Rgb(1), 0}};
   const Frame exact = reference(scene, 20000, 1e-3);
   const SharedScene shared(scene, {1, {}}, false);
