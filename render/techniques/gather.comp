@@ -2,6 +2,8 @@
 // they are small. One loop and no stack: it stops after some steps and goes on in the next dispatch, because software
 // renderers end a loop silently after 65536 turns. The twin of render/irradiance/gather.h and profile_sum.cpp, patch by patch; a cluster is judged by
 // its own contribution alone, so more of them are opened than on the processor.
+// Given before this text, as constants, because software renderers run both sides of every branch:
+//   int masses; bool clusters, solid_angle
 layout(local_size_x = 64) in;
 
 struct Node {
@@ -24,7 +26,7 @@ struct Walk {
 layout(std430, binding = 7) buffer Walks { Walk walks[]; };
 layout(std430, binding = 8) buffer Progress { int unfinished; };
 
-uniform int first_query, last_query, steps, node_count, masses, clusters, solid_angle;
+uniform int first_query, last_query, steps, node_count;
 uniform float tolerance, core_squared, quality;
 uniform vec3 tables;  // which profile serves each channel of three masses
 
@@ -110,8 +112,8 @@ void main() {
       d = x - n.centre.xyz;
       float d2 = dot(d, d);
       bool leaf = n.links.y != no_cell;
-      bool use = solid_angle != 0 ? leaf || (d2 > n.centre.w * n.centre.w && n.more.z < quality * d2)
-                                  : (leaf || clusters != 0) && acceptable(d2, n.centre.w, trace);
+      bool use = solid_angle ? leaf || (d2 > n.centre.w * n.centre.w && n.more.z < quality * d2)
+                                  : (leaf || clusters) && acceptable(d2, n.centre.w, trace);
       if (!use) {
         if (leaf) depth = 1, path = 0u;
         else ++i;
@@ -119,7 +121,7 @@ void main() {
       }
     }
     // Kahan's sum: a million equal terms in float would drift by 1e-3.
-    precise vec3 y = scale * patch_sum(i, d, solid_angle != 0 ? 0.0 : scale, solid_angle == 0 && depth == 0) - carry;
+    precise vec3 y = scale * patch_sum(i, d, solid_angle ? 0.0 : scale, !solid_angle && depth == 0) - carry;
     precise vec3 t = sum + y;
     carry = (t - sum) - y;
     sum = t;

@@ -56,12 +56,7 @@ class GlGather : public PreparedTechnique {
  public:
   GlGather(const SharedScene& shared, const ProfileInfo& profile, const GatherSettings& settings,
            const gl::Context& context)
-      : shared_(shared),
-        settings_(settings),
-        context_(context),
-        program_(context,
-                 {{gl::StageKind::compute,
-                   {gl::shader_file("render/gl/profile.glsl"), gl::shader_file("render/techniques/gather.comp")}}}) {
+      : shared_(shared), settings_(settings), context_(context) {
     for (std::size_t i = 0; i < shared.scene.objects.size(); ++i) {
       const Object& object = shared.scene.objects[i];
       const double r_max = 1.01 * diameter(object.mesh);
@@ -97,9 +92,10 @@ class GlGather : public PreparedTechnique {
     const Buffer* buffers[] = {&object.nodes, &object.mass, &object.first_moment, &object.cells, &queries, &sums,
                                &carries,      &walks};
     for (unsigned binding = 0; binding < 8; ++binding) buffers[binding]->bind_storage(binding);
-    object.texture.bind(program_, 0);
-    set_uniforms(object);
-    frame.counters.done["dispatches"] += dispatch(positions.size());
+    const gl::Program& program = program_for(object.tree.masses);
+    object.texture.bind(program, 0);
+    set_uniforms(program, object);
+    frame.counters.done["dispatches"] += dispatch(program, positions.size());
     const std::vector<glm::vec4> result = sums.read<glm::vec4>();
     for (std::size_t k = 0; k < result.size(); ++k)
       for (int c = 0; c < 3; ++c) {
@@ -108,32 +104,45 @@ class GlGather : public PreparedTechnique {
       }
   }
 
-  void set_uniforms(const GlObject& object) const {
-    program_.set("node_count", static_cast<int>(object.tree.nodes.size()));
-    program_.set("masses", object.tree.masses);
-    program_.set("clusters", int{settings_.criterion == Criterion::error});
-    program_.set("solid_angle", int{settings_.criterion == Criterion::solid_angle});
-    program_.set("tolerance", static_cast<float>(settings_.max_relative_error));
-    program_.set("quality", static_cast<float>(settings_.quality));
-    program_.set("core_squared", object.profiles.core_radius() * object.profiles.core_radius());
+  void set_uniforms(const gl::Program& program, const GlObject& object) const {
+    program.set("node_count", static_cast<int>(object.tree.nodes.size()));
+    program.set("tolerance", static_cast<float>(settings_.max_relative_error));
+    program.set("quality", static_cast<float>(settings_.quality));
+    program.set("core_squared", object.profiles.core_radius() * object.profiles.core_radius());
     const int* table = object.profiles.sum().table_of;
-    program_.set("tables", glm::vec3(table[0], table[1], table[2]));
+    program.set("tables", glm::vec3(table[0], table[1], table[2]));
+  }
+
+  /// The shader for one mass or three, compiled when first needed.
+  const gl::Program& program_for(int masses) const {
+    std::unique_ptr<gl::Program>& program = programs_[masses == 3];
+    if (program) return *program;
+    const auto word = [](bool value) { return value ? "true;\n" : "false;\n"; };
+    const std::string constants = "const int masses = " + std::to_string(masses) +
+                                  ";\nconst bool clusters = " + word(settings_.criterion == Criterion::error) +
+                                  "const bool solid_angle = " + word(settings_.criterion == Criterion::solid_angle);
+    program = std::make_unique<gl::Program>(
+        context_, std::vector<gl::Stage>{{gl::StageKind::compute,
+                                          {{"constants", constants},
+                                           gl::shader_file("render/gl/profile.glsl"),
+                                           gl::shader_file("render/techniques/gather.comp")}}});
+    return *program;
   }
 
   /// In parts of at most 1e9 steps, lest a driver thinks that the device hangs, each repeated until all its queries
   /// are through the tree; returns the number of dispatches.
-  std::uint64_t dispatch(std::size_t queries) const {
+  std::uint64_t dispatch(const gl::Program& program, std::size_t queries) const {
     constexpr std::size_t group = 64, steps = 4096, part = 1'000'000'000 / steps / group * group;
     std::uint64_t count = 0;
-    program_.set("steps", static_cast<int>(steps));
+    program.set("steps", static_cast<int>(steps));
     for (std::size_t first = 0; first < queries; first += part) {
       const std::size_t last = std::min(first + part, queries);
-      program_.set("first_query", static_cast<int>(first));
-      program_.set("last_query", static_cast<int>(last));
+      program.set("first_query", static_cast<int>(first));
+      program.set("last_query", static_cast<int>(last));
       for (int unfinished = 1; unfinished > 0; ++count) {
         const Buffer progress(context_, std::vector<int>{0});
         progress.bind_storage(8);
-        program_.dispatch(static_cast<unsigned>((last - first + group - 1) / group));
+        program.dispatch(static_cast<unsigned>((last - first + group - 1) / group));
         unfinished = progress.read<int>()[0];
       }
     }
@@ -144,7 +153,7 @@ class GlGather : public PreparedTechnique {
   const SharedScene& shared_;
   GatherSettings settings_;
   const gl::Context& context_;
-  gl::Program program_;
+  mutable std::unique_ptr<gl::Program> programs_[2];  ///< for one mass and for three
   std::vector<std::unique_ptr<GlObject>> objects_;
 };
 

@@ -1,5 +1,7 @@
 // One pixel: its sample set on a plane through its point, projected into the irradiance image and summed. The twin of
 // render/image_space/sample_gather.cpp; places are camera coordinates, see render/image_space/projection.h.
+// Given before this text, as constants, because software renderers run both sides of every branch:
+//   bool perspective, coloured, jacobian, count_valid
 layout(location = 0) out vec4 sums;   // per distinct profile, or per channel of a coloured irradiance
 layout(location = 1) out vec4 valid;  // shares of the samples that met the object
 
@@ -12,7 +14,7 @@ uniform sampler2D sample_shares;
 
 uniform vec3 film;  // scale, cx, cy
 uniform ivec2 size, corner;
-uniform int perspective, samples, pattern, coloured, jacobian, count_valid;
+uniform int samples, pattern;
 uniform float min_plane_cosine;
 uniform vec3 tables;  // which profile serves each channel of a coloured irradiance
 
@@ -30,10 +32,10 @@ void main() {
   sums = vec4(0), valid = vec4(0);
   if (point.w < 0.0) return;
   vec3 x = point.xyz;
-  vec3 normal = turned_to(perspective != 0 ? -normalize(x) : vec3(0, 0, -1), texelFetch(normals, here, 0).xyz);
+  vec3 normal = turned_to(perspective ? -normalize(x) : vec3(0, 0, -1), texelFetch(normals, here, 0).xyz);
   vec3 tangent = normalize(cross(normal, abs(normal.x) < 0.5 ? vec3(1, 0, 0) : vec3(0, 1, 0)));
   vec3 bitangent = cross(normal, tangent);
-  float facing = abs(perspective != 0 ? dot(normal, x) : normal.z);
+  float facing = abs(perspective ? dot(normal, x) : normal.z);
   ivec2 cell = (here + corner) % pattern;
   int row = (int(point.w) * pattern + cell.y) * pattern + cell.x;
   ivec3 table = ivec3(tables);
@@ -41,23 +43,23 @@ void main() {
   for (int i = 0; i < samples; ++i) {
     vec3 place = texelFetch(sample_places, ivec2(i, row), 0).xyz;
     vec3 t = x + place.x * tangent + place.y * bitangent;
-    if (perspective != 0 && t.z <= 1e-6) continue;
-    vec2 slope = perspective != 0 ? t.xy / t.z : t.xy;
+    if (perspective && t.z <= 1e-6) continue;
+    vec2 slope = perspective ? t.xy / t.z : t.xy;
     vec2 at = vec2(film.y + film.x * slope.x, film.z - film.x * slope.y);
     if (any(lessThan(at, vec2(0))) || any(greaterThanEqual(at, vec2(size)))) continue;
     ivec2 pixel = ivec2(at);
     vec4 texel = texelFetch(texels, pixel, 0);
     if (texel.w < 0.0) continue;
-    if (count_valid != 0) valid += texelFetch(sample_shares, ivec2(i, row), 0);
+    if (count_valid) valid += texelFetch(sample_shares, ivec2(i, row), 0);
     vec3 light = vec3(texel.w);
-    if (coloured != 0) light.yz = texelFetch(more_light, pixel, 0).xy;
+    if (coloured) light.yz = texelFetch(more_light, pixel, 0).xy;
     if (max(light.x, max(light.y, light.z)) <= 0.0) continue;
     float depth = texel.x + dot(texel.yz, at - vec2(pixel) - 0.5);
-    vec3 p = perspective != 0 ? vec3(slope, 1.0) / depth : vec3(slope, depth);
+    vec3 p = perspective ? vec3(slope, 1.0) / depth : vec3(slope, depth);
     float per_d = inversesqrt(dot(t, t));
-    float per_g = jacobian == 0 ? 1.0 : facing * (perspective != 0 ? per_d * per_d * per_d : 1.0);
+    float per_g = !jacobian ? 1.0 : facing * (perspective ? per_d * per_d * per_d : 1.0);
     vec3 r = profile(dot(p - x, p - x));
-    if (coloured != 0) r = vec3(r[table.x], r[table.y], r[table.z]);
+    if (coloured) r = vec3(r[table.x], r[table.y], r[table.z]);
     sums.rgb += place.z * per_g * light * r;
   }
 }

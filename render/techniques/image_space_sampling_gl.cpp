@@ -84,10 +84,6 @@ class GlSampling : public PreparedTechnique {
         context_(context),
         unshadowed_(nothing_in_shadow(shared.scene)),
         objects_(image_space_objects(shared.scene, settings, shared.settings.irradiance.seed)),
-        program_(context, {{gl::StageKind::vertex, {gl::shader_file("render/gl/fullscreen.vert")}},
-                           {gl::StageKind::fragment,
-                            {gl::shader_file("render/gl/profile.glsl"),
-                             gl::shader_file("render/techniques/image_space_sampling.frag")}}}),
         film_(context, {}) {
     if (settings.shadow_maps)
       shadow_maps_ = std::make_unique<gl::ShadowIrradiance>(context, shared.scene, settings.shadow_map_pixels);
@@ -147,33 +143,52 @@ class GlSampling : public PreparedTechnique {
                     normals = upload(images.normals);
     const Texture2D* inputs[] = {&texels, &more, &points, &normals, &samples_[i]->places, &samples_[i]->shares};
     const char* names[] = {"texels", "more_light", "points", "normals", "sample_places", "sample_shares"};
+    const gl::Program& program = program_for(map);
     for (int unit = 0; unit < 6; ++unit) {
       inputs[unit]->bind(static_cast<unsigned>(unit));
-      program_.set(names[unit], unit);
+      program.set(names[unit], unit);
     }
-    profiles_[i]->bind(program_, 6);
-    set_uniforms(i, map, corner);
+    profiles_[i]->bind(program, 6);
+    set_uniforms(program, i, map, corner);
     const Texture2D* targets[] = {&sums, &valid};
     const gl::Framebuffer target(context_, targets);
     target.bind();
-    program_.use();
+    program.use();
     film_.draw_triangles(3);
     context_.check_errors();
   }
 
-  void set_uniforms(std::size_t i, const IrradianceMap& map, const glm::ivec2& corner) const {
-    program_.set("film", glm::vec3(map.projection.scale, map.projection.cx, map.projection.cy));
-    program_.set("size", glm::ivec2(map.width, map.height));
-    program_.set("corner", corner);
-    program_.set("perspective", int{map.projection.perspective});
-    program_.set("samples", settings_.samples);
-    program_.set("pattern", settings_.pattern);
-    program_.set("coloured", int{map.channels == 3});
-    program_.set("jacobian", int{settings_.jacobian});
-    program_.set("count_valid", int{settings_.only_valid});
-    program_.set("min_plane_cosine", static_cast<float>(settings_.min_plane_cosine));
+  void set_uniforms(const gl::Program& program, std::size_t i, const IrradianceMap& map,
+                    const glm::ivec2& corner) const {
+    program.set("film", glm::vec3(map.projection.scale, map.projection.cx, map.projection.cy));
+    program.set("size", glm::ivec2(map.width, map.height));
+    program.set("corner", corner);
+    program.set("samples", settings_.samples);
+    program.set("pattern", settings_.pattern);
+    program.set("min_plane_cosine", static_cast<float>(settings_.min_plane_cosine));
     const int* table = objects_[i].profiles.sum().table_of;
-    program_.set("tables", glm::vec3(table[0], table[1], table[2]));
+    program.set("tables", glm::vec3(table[0], table[1], table[2]));
+  }
+
+  /// The shader for a kind of view and of light, compiled when first needed.
+  const gl::Program& program_for(const IrradianceMap& map) const {
+    std::unique_ptr<gl::Program>& program = programs_[map.projection.perspective][map.channels == 3];
+    if (program) return *program;
+    std::string constants;
+    const auto add = [&](const char* name, bool value) {
+      constants += std::string("const bool ") + name + (value ? " = true;\n" : " = false;\n");
+    };
+    add("perspective", map.projection.perspective);
+    add("coloured", map.channels == 3);
+    add("jacobian", settings_.jacobian);
+    add("count_valid", settings_.only_valid);
+    program = std::make_unique<gl::Program>(
+        context_, std::vector<gl::Stage>{{gl::StageKind::vertex, {gl::shader_file("render/gl/fullscreen.vert")}},
+                                         {gl::StageKind::fragment,
+                                          {{"constants", constants},
+                                           gl::shader_file("render/gl/profile.glsl"),
+                                           gl::shader_file("render/techniques/image_space_sampling.frag")}}});
+    return *program;
   }
 
   const SharedScene& shared_;
@@ -181,7 +196,7 @@ class GlSampling : public PreparedTechnique {
   const gl::Context& context_;
   bool unshadowed_;
   std::vector<ImageSpaceObject> objects_;
-  gl::Program program_;
+  mutable std::unique_ptr<gl::Program> programs_[2][2];  ///< by perspective and coloured
   gl::VertexArray film_;
   std::unique_ptr<gl::ShadowIrradiance> shadow_maps_;  ///< null: shadow rays
   std::vector<std::unique_ptr<SampleTextures>> samples_;
