@@ -8,7 +8,12 @@
 // profile_table_kernel.h evaluates vectors; this header evaluates one radius, from the rows.
 //
 // Error. Segments are interpolated at Gauss-Legendre nodes, so what is left over integrates to almost nothing over
-// a segment: errors of a sum over a surface are far below those of its terms.
+// a segment: errors of a sum over a surface are far below those of its terms. For standard dipoles of every material
+// of the library out to 100 core radii (tests/model), sums over disks, lines, bodies and rings: 1e-5
+// (registers), 2e-6 (rows). Terms:
+//              of R(0)   of R(r) where it falls no faster than r^-3.5     r^-5     r^-10    r^-20
+//   rows          2e-7                                           1e-6     2e-6      2e-5     2e-4
+//   registers     4e-6                                           1e-5     2e-5      2e-4     1e-2
 #pragma once
 
 #include <bit>
@@ -56,7 +61,7 @@ class ProfileTable {
   ProfileTable() = default;
   /// profile      R(r), r [mm], smooth in r^2 on the scale core_radius^2
   /// core_radius  > 0 [mm]; r_max > 0 [mm]; a radius beyond it gets some value of the last segment,
-  ///              whose radii are within 3.1 % (rows) or 42 % (registers) of r_max
+  ///              whose radii are within 3.1 % (rows) or 23 % (registers; 42 % beyond 210 core radii) of r_max
   /// Tables of the same core_radius and r_max have the same segments: a kernel finds the segment once for all.
   ProfileTable(const std::function<double(double)>& profile, double core_radius, double r_max);
 

@@ -1,7 +1,8 @@
 // ProfileTable for vectors of squared distances. Include inside foreach_target files only.
 //
 // A kernel is a template on a Lookup, which finds the place of a vector of r^2 once (`place`) and then the values of
-// any of its tables (`value`). `with_lookup` chooses the fastest that the tables and the processor allow:
+// any of its tables (`values`: all tables at several places, interleaved so that the latencies of one hide behind the
+// others). `with_lookup` chooses the fastest that the tables and the processor allow:
 //   RegisterLookup<P>  AVX-512: tables of the same segments with registers().per_octave == P
 //   RowLookup          tables of the same segments. Up to AVX2 a row is one 16-byte load per lane, and rows are
 //                      transposed.
@@ -55,6 +56,11 @@ class RowLookup {
     V c[4];
     load_rows(table.rows, p.row, c);
     return hn::MulAdd(hn::MulAdd(hn::MulAdd(c[3], p.f, c[2]), p.f, c[1]), p.f, c[0]);
+  }
+  template <int Tables, int Points>
+  HWY_INLINE void values(const Table* tables, const Place (&p)[Points], V (&out)[Points][Tables]) const {
+    for (int t = 0; t < Tables; ++t)
+      for (int i = 0; i < Points; ++i) out[i][t] = value(tables[t], p[i]);
   }
 
  private:
@@ -118,11 +124,14 @@ class RegisterLookup {
             hn::Sub(hn::BitCast(d, mantissa), hn::Set(d, 1 + 0.5f / PerOctave))};
   }
 
-  HWY_INLINE V value(const Table& table, const Place& p) const {
+  template <int Tables, int Points>
+  HWY_INLINE void values(const Table* tables, const Place (&p)[Points], V (&out)[Points][Tables]) const {
     constexpr int degree = ProfileTable::Registers::degree(PerOctave);
-    V sum = coefficient(table, degree, p);
-    for (int k = degree - 1; k >= 0; --k) sum = hn::MulAdd(sum, p.t, coefficient(table, k, p));
-    return sum;
+    for (int t = 0; t < Tables; ++t)
+      for (int i = 0; i < Points; ++i) out[i][t] = coefficient(tables[t], degree, p[i]);
+    for (int k = degree - 1; k >= 0; --k)
+      for (int t = 0; t < Tables; ++t)
+        for (int i = 0; i < Points; ++i) out[i][t] = hn::MulAdd(out[i][t], p[i].t, coefficient(tables[t], k, p[i]));
   }
 
  private:
@@ -160,7 +169,13 @@ class SeparateRows {
     for (int t = 0; t < count_; ++t) p.of[t] = lookup_[t].place(r2);
     return p;
   }
-  HWY_INLINE V value(const Table& t, const Place& p) const { return lookup_[t.index].value(t.table, p.of[t.index]); }
+  template <int Tables, int Points>
+  HWY_INLINE void values(const Table* tables, const Place (&p)[Points], V (&out)[Points][Tables]) const {
+    for (int t = 0; t < Tables; ++t) {
+      const int index = tables[t].index;
+      for (int i = 0; i < Points; ++i) out[i][t] = lookup_[index].value(tables[t].table, p[i].of[index]);
+    }
+  }
 
  private:
   RowLookup lookup_[3];

@@ -16,9 +16,15 @@ namespace opaline::HWY_NAMESPACE {
 using D = TableTag;
 using V = TableVector;
 
-/// Sums are float within a block of patches, which stays in the first cache with its query's sums, and double from
-/// block to block: a million equal terms would drift by 1e-3.
-constexpr std::size_t block = 64 * PatchList::lanes;
+/// Patches go in blocks. Sums are float within a block and double from block to block (a million equal terms would
+/// drift by 1e-3); the block, its points and the tables stay in the first cache from query to query; and finding all
+/// points before the first look-up keeps more of the processor busy than going from patch to patch.
+constexpr std::size_t block = 32 * PatchList::lanes;
+
+struct Points {
+  HWY_ALIGN float near[block], far[block];
+  HWY_ALIGN float dx[block], dy[block], dz[block], per_spread[block];  // only for several flux channels
+};
 
 template <class Lookup>
 struct Sum {
@@ -28,41 +34,66 @@ struct Sum {
   const float* weight;
   typename Lookup::Table tables[3];
 
+  template <bool Moments>
+  HWY_INLINE void find_points(std::size_t begin, std::size_t count, const glm::vec3& position, Points& p) const {
+    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+      const TwoPoints<V> q = two_points(d, patches, begin + i, position);
+      hn::Store(q.near, d, p.near + i);
+      hn::Store(q.far, d, p.far + i);
+      if (!Moments) continue;
+      hn::Store(q.dx, d, p.dx + i);
+      hn::Store(q.dy, d, p.dy + i);
+      hn::Store(q.dz, d, p.dz + i);
+      hn::Store(hn::Div(hn::Set(d, 1.0f), hn::Add(q.spread, hn::Set(d, 1e-30f))), d, p.per_spread + i);
+    }
+  }
+
+  template <int Tables>
+  HWY_INLINE void look_up(const Points& p, std::size_t i, V (&value)[2][Tables]) const {
+    const typename Lookup::Place places[2] = {lookup.place(hn::Load(d, p.near + i)),
+                                              lookup.place(hn::Load(d, p.far + i))};
+    lookup.values(tables, places, value);
+  }
+
+  HWY_INLINE V weighted(V flux, std::size_t i) const { return weight ? hn::Mul(flux, hn::LoadU(d, weight + i)) : flux; }
+
   /// Flux of one channel, any number of tables.
   template <int Tables>
-  HWY_INLINE void add_single(std::size_t begin, std::size_t end, const glm::vec3& position, double* total) const {
+  HWY_INLINE void add_single(std::size_t begin, std::size_t count, const glm::vec3& position, double* total) const {
+    Points p;
+    find_points<false>(begin, count, position, p);
     V sum[Tables];
     for (V& s : sum) s = hn::Zero(d);
-    for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
-      const TwoPoints<V> q = two_points(d, patches, i, position);
-      const auto near = lookup.place(q.near), far = lookup.place(q.far);
-      V mass = hn::LoadU(d, patches.mass() + i);
-      if (weight) mass = hn::Mul(mass, hn::LoadU(d, weight + i));
-      for (int t = 0; t < Tables; ++t)
-        sum[t] = hn::MulAdd(mass, hn::Add(lookup.value(tables[t], near), lookup.value(tables[t], far)), sum[t]);
+    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+      V value[2][Tables];
+      look_up(p, i, value);
+      const V mass = weighted(hn::LoadU(d, patches.mass() + begin + i), begin + i);
+      for (int t = 0; t < Tables; ++t) sum[t] = hn::MulAdd(mass, hn::Add(value[0][t], value[1][t]), sum[t]);
     }
     for (int t = 0; t < Tables; ++t) total[t] += 0.5 * static_cast<double>(hn::GetLane(hn::SumOfLanes(d, sum[t])));
   }
 
   /// Three flux channels: each moves flux between the two points by its own first moment.
-  HWY_INLINE void add_coloured(std::size_t begin, std::size_t end, const glm::vec3& position, double* total) const {
+  HWY_INLINE void add_coloured(std::size_t begin, std::size_t count, const glm::vec3& position, double* total) const {
+    Points p;
+    find_points<true>(begin, count, position, p);
     V sum[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-    for (std::size_t i = begin; i < end; i += hn::Lanes(d)) {
-      const TwoPoints<V> q = two_points(d, patches, i, position);
-      const auto near_place = lookup.place(q.near), far_place = lookup.place(q.far);
-      const V per_spread = hn::Div(hn::Set(d, 1.0f), hn::Add(q.spread, hn::Set(d, 1e-30f)));
-      V mass[3], px[3], py[3], pz[3];
-      hn::LoadInterleaved3(d, patches.mass() + 3 * i, mass[0], mass[1], mass[2]);
-      hn::LoadInterleaved3(d, patches.first_moment(0) + 3 * i, px[0], px[1], px[2]);
-      hn::LoadInterleaved3(d, patches.first_moment(1) + 3 * i, py[0], py[1], py[2]);
-      hn::LoadInterleaved3(d, patches.first_moment(2) + 3 * i, pz[0], pz[1], pz[2]);
+    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+      V value[2][3], mass[3], px[3], py[3], pz[3];
+      look_up(p, i, value);
+      const std::size_t at = 3 * (begin + i);
+      hn::LoadInterleaved3(d, patches.mass() + at, mass[0], mass[1], mass[2]);
+      hn::LoadInterleaved3(d, patches.first_moment(0) + at, px[0], px[1], px[2]);
+      hn::LoadInterleaved3(d, patches.first_moment(1) + at, py[0], py[1], py[2]);
+      hn::LoadInterleaved3(d, patches.first_moment(2) + at, pz[0], pz[1], pz[2]);
+      const V dx = hn::Load(d, p.dx + i), dy = hn::Load(d, p.dy + i), dz = hn::Load(d, p.dz + i);
+      const V per_spread = hn::Load(d, p.per_spread + i);
       for (int c = 0; c < 3; ++c) {
-        const V near = lookup.value(tables[c], near_place), far = lookup.value(tables[c], far_place);
-        const V along = hn::MulAdd(q.dx, px[c], hn::MulAdd(q.dy, py[c], hn::Mul(q.dz, pz[c])));
+        const V near = value[0][c], far = value[1][c];
+        const V along = hn::MulAdd(dx, px[c], hn::MulAdd(dy, py[c], hn::Mul(dz, pz[c])));
         V term = hn::Mul(hn::Mul(hn::Set(d, 0.5f), mass[c]), hn::Add(near, far));
         term = hn::MulAdd(hn::Mul(along, per_spread), hn::Sub(near, far), term);
-        if (weight) term = hn::Mul(term, hn::LoadU(d, weight + i));
-        sum[c] = hn::Add(sum[c], term);
+        sum[c] = hn::Add(sum[c], weighted(term, begin + i));
       }
     }
     for (int c = 0; c < 3; ++c) total[c] += static_cast<double>(hn::GetLane(hn::SumOfLanes(d, sum[c])));
@@ -78,7 +109,7 @@ struct Sum {
       double total[queries][3] = {};
       for (std::size_t begin = 0; begin < patches.size(); begin += block)
         for (std::size_t q = 0; q < count; ++q)
-          add_block(begin, std::min(begin + block, patches.size()), positions[first + q], total[q]);
+          add_block(begin, std::min(block, patches.size() - begin), positions[first + q], total[q]);
       for (std::size_t q = 0; q < count; ++q)
         for (std::size_t c = 0; c < 3; ++c) sums[first + q][c] += static_cast<float>(total[q][c]);
     }
@@ -88,21 +119,21 @@ struct Sum {
 template <int Tables, class Lookup>
 HWY_NOINLINE void sum_single(const Sum<Lookup>& sum, std::span<const glm::vec3> positions, std::array<float, 3>* sums) {
   sum.for_blocks(positions, sums,
-                 [&](std::size_t begin, std::size_t end, const glm::vec3& position, double* total)
-                     HWY_ATTR { sum.template add_single<Tables>(begin, end, position, total); });
+                 [&](std::size_t begin, std::size_t count, const glm::vec3& position, double* total)
+                     HWY_ATTR { sum.template add_single<Tables>(begin, count, position, total); });
 }
 
 template <class Lookup>
 HWY_NOINLINE void sum_coloured(const Sum<Lookup>& sum, std::span<const glm::vec3> positions,
                                std::array<float, 3>* sums) {
   sum.for_blocks(positions, sums,
-                 [&](std::size_t begin, std::size_t end, const glm::vec3& position, double* total)
-                     HWY_ATTR { sum.add_coloured(begin, end, position, total); });
+                 [&](std::size_t begin, std::size_t count, const glm::vec3& position, double* total)
+                     HWY_ATTR { sum.add_coloured(begin, count, position, total); });
 }
 
 void add_profile_sums(const ProfileSum& profile, const PatchList& patches, const float* weight,
                       std::span<const glm::vec3> positions, std::array<float, 3>* sums) {
-  with_lookup(profile.tables, profile.table_count, [&]<class Lookup>(const Lookup& lookup) {
+  with_lookup(profile.tables, profile.table_count, [&]<class Lookup>(const Lookup& lookup) HWY_ATTR {
     Sum<Lookup> sum{lookup, patches, weight, {}};
     const bool coloured = patches.masses() == 3;
     for (int i = 0; i < (coloured ? 3 : profile.table_count); ++i) {

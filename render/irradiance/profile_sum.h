@@ -20,7 +20,7 @@ struct ProfileSum {
 
 /// sums[q][] += sum over patches of weight * flux * R(|positions[q] - patch|) by the two-point rule, for every query.
 /// Vectorised over patches; weight may be null. Queries share blocks of patches while these are in the cache, so
-/// give many queries at once against long lists. Float within blocks of 1024 patches, double between them: the
+/// give many queries at once against long lists. Float within blocks of 512 patches, double between them: the
 /// relative error of the addition stays below 1e-6 for any number of terms.
 void add_profile_sums(const ProfileSum& profile, const PatchList& patches, const float* weight,
                       std::span<const glm::vec3> positions, std::array<float, 3>* sums);
