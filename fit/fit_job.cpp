@@ -26,10 +26,9 @@ void check_counts(const FitJob& job) {
 }
 
 const ProfileInfo& model_of(const FitJob& job) {
-  if (const ProfileInfo* info = find_profile(job.model)) return *info;
-  std::vector<std::string> names;
-  for (const ProfileInfo& info : profiles()) names.push_back(info.name);
-  throw InputError("--model", "", unknown_choice("model", job.model, names));
+  const ProfileInfo* info = find_profile(job.model);
+  if (info != nullptr && info->needs_medium_alone()) return *info;
+  throw InputError("--model", "", unknown_choice("model", job.model, medium_profile_names()));
 }
 
 /// Index of the fitted material: the named one, or the only one that objects use.
@@ -91,15 +90,12 @@ std::vector<Loaded> load_scenes(const FitJob& job, const ShapeLibrary& shapes) {
   return loaded;
 }
 
-/// The operator of one target. A mean free path below r_0 is flatter in it than in the picture:
-/// such coefficients are taken out of the bounds.
-TransportOperator usable_operator(const FitJob& job, const Loaded& loaded, const std::vector<float>& mask,
-                                  ParameterBounds& bounds) {
+/// The operator of one target.
+TransportOperator usable_operator(const FitJob& job, const Loaded& loaded, const std::vector<float>& mask) {
   const Scene& scene = *loaded.scene;
   TransportOperator op = build_operator(scene, loaded.material, eta_nodes(job, scene, loaded.material), job.op, mask);
   if (op.rows() > 0 && std::all_of(op.values.begin(), op.values.end(), [](float value) { return value == 0; }))
     throw InputError(scene.path, "/lights", "no light reaches the fitted object: it is black whatever it is made of");
-  bounds.sigma_max = std::min(bounds.sigma_max, 1 / std::sqrt(op.radial.x_0()));
   return op;
 }
 
@@ -148,7 +144,7 @@ FitReport run_fit(const FitJob& job, const ShapeLibrary& shapes,
     if (!job.masks.empty()) mask = read_mask(job.masks[std::min(i, job.masks.size() - 1)], scene);
     stage(fmt::format("operator {}/{}", i + 1, job.targets.size()));
     watch.lap();
-    TransportOperator op = usable_operator(job, loaded[i], mask, report.job.solve.bounds);
+    TransportOperator op = usable_operator(job, loaded[i], mask);
     report.operator_seconds += op.seconds;
     stage("reduce");
     targets.push_back(make_target(std::move(op), picture, job.targets[i]));
@@ -158,7 +154,7 @@ FitReport run_fit(const FitJob& job, const ShapeLibrary& shapes,
   const Material& initial = loaded.front().scene->materials[static_cast<std::size_t>(loaded.front().material)];
   report.solution = solve(targets, profile, initial, report.job.solve);
   report.solve_seconds += report.solution.seconds;
-  report.uncertainty = uncertainty(report.solution, report.job.solve);
+  report.uncertainty = uncertainty(report.solution, report.job.solve.free);
   report.material = to_material(report.solution.parameters, initial, job.solve.free);
   stage("check");
   for (std::size_t i = 0; i < targets.size(); ++i)

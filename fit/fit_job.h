@@ -39,7 +39,7 @@ struct FitReport {
 };
 
 /// Throws InputError for anything wrong with the input. Coefficients above 1 / r_0 of the operator,
-/// which it doesn't resolve, are not searched: report.job.solve.bounds has the limit in force.
+/// which it doesn't resolve, are not searched: report.solution.bounds has the limit in force.
 /// progress(stage) is called as stages begin.
 FitReport run_fit(const FitJob& job, const ShapeLibrary& shapes,
                   const std::function<void(const std::string& stage)>& progress = {});

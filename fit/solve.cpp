@@ -20,6 +20,7 @@ struct Problem {
   const std::vector<FitTarget>& targets;
   const ProfileInfo& profile;
   const SolveSettings& settings;
+  ParameterBounds bounds;
 
   std::unique_ptr<ceres::Problem> build(ParameterVector& p, const NoiseSd& sd) const {
     auto problem = std::make_unique<ceres::Problem>();
@@ -34,12 +35,18 @@ struct Problem {
         problem->SetParameterBlockConstant(block);
         continue;
       }
-      problem->SetParameterLowerBound(block, 0, settings.bounds.lower(i));
-      problem->SetParameterUpperBound(block, 0, settings.bounds.upper(i));
+      problem->SetParameterLowerBound(block, 0, bounds.lower(i));
+      problem->SetParameterUpperBound(block, 0, bounds.upper(i));
     }
     return problem;
   }
 };
+
+ParameterBounds searched_bounds(const std::vector<FitTarget>& targets, ParameterBounds bounds) {
+  for (const FitTarget& target : targets)
+    bounds.sigma_max = std::min(bounds.sigma_max, 1 / std::sqrt(target.op.radial.x_0()));
+  return bounds;
+}
 
 StartRecord run_start(const Problem& problem, const ParameterVector& from, const NoiseSd& sd) {
   StartRecord record{from, from};
@@ -82,14 +89,15 @@ std::vector<ParameterVector> start_points(const Problem& problem, const Paramete
       if (s.free.sigma_a) p[c] = std::log(sigma_t * one_minus_alpha);
       if (s.free.sigma_s_prime) p[c + 3] = std::log(sigma_t * (1 - one_minus_alpha));
     }
-    if (s.free.eta) p[eta_index] = s.bounds.eta_min + (s.bounds.eta_max - s.bounds.eta_min) * radical_inverse(n, 5);
+    const ParameterBounds& bounds = problem.bounds;
+    if (s.free.eta) p[eta_index] = bounds.eta_min + (bounds.eta_max - bounds.eta_min) * radical_inverse(n, 5);
     points.push_back(p);
   }
   for (ParameterVector& p : points)
     for (int i = 0; i < parameter_count; ++i)
       if (s.free.is_free(i))
         p[static_cast<std::size_t>(i)] =
-            std::clamp(p[static_cast<std::size_t>(i)], s.bounds.lower(i), s.bounds.upper(i));
+            std::clamp(p[static_cast<std::size_t>(i)], problem.bounds.lower(i), problem.bounds.upper(i));
   return points;
 }
 
@@ -213,10 +221,11 @@ FitTarget make_target(TransportOperator op, const Image& target, const std::stri
 Solution solve(const std::vector<FitTarget>& targets, const ProfileInfo& profile, const Material& initial,
                const SolveSettings& settings) {
   Stopwatch watch;
-  const Problem problem{targets, profile, settings};
-  const std::vector<ParameterVector> from = start_points(problem, to_parameters(initial, settings.bounds));
+  const Problem problem{targets, profile, settings, searched_bounds(targets, settings.bounds)};
+  const std::vector<ParameterVector> from = start_points(problem, to_parameters(initial, problem.bounds));
   const NoiseSd first_guess = initial_noise(targets);
   Solution solution;
+  solution.bounds = problem.bounds;
   solution.starts.resize(from.size());
   tbb::parallel_for(std::size_t{0}, from.size(),
                     [&](std::size_t i) { solution.starts[i] = run_start(problem, from[i], first_guess); });

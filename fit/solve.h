@@ -48,6 +48,7 @@ struct StartRecord {
 
 struct Solution {
   ParameterVector parameters{};
+  ParameterBounds bounds;           ///< searched: the settings', within what every operator resolves
   std::vector<StartRecord> starts;  ///< in start order; the first is the scene's own material
   int best_start = 0;
   int iterations = 0;  ///< over all starts
@@ -58,6 +59,8 @@ struct Solution {
   double seconds = 0;
 };
 
+/// A mean free path below an operator's r_0 is flatter in it than in the picture, so that its fit would be an
+/// artefact: coefficients above 1/r_0 are not searched, whatever the settings allow.
 /// initial: the material to start from; its values stay where a parameter is not free.
 Solution solve(const std::vector<FitTarget>& targets, const ProfileInfo& profile, const Material& initial,
                const SolveSettings& settings);

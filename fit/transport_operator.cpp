@@ -123,8 +123,7 @@ void gather_rows(const GBuffer& view, int object, const SurfaceCells& cells, con
   const OpeningCriterion criterion{opening * opening, static_cast<float>(op.radial.x_0())};
   const GatherCounts counts = gather(
       tree, cells, points.positions, [&] { return criterion; },
-      [&] { return RowSink{op, view, points.indices, row_of_point, tree.masses, {}}; },
-      getenv("GS") ? atoi(getenv("GS")) : 64);
+      [&] { return RowSink{op, view, points.indices, row_of_point, tree.masses, {}}; }, group_size);
   op.counters.done["nodes_visited"] += counts.nodes_visited;
   op.counters.done["clusters"] += counts.clusters;
   op.counters.done["near_cells"] += counts.near_cells;

@@ -59,12 +59,12 @@ std::string why_not(int i, double value, double sd, const ParameterEstimate& e, 
   return elsewhere ? "values that other starts found fit as well" : "";
 }
 
-ParameterEstimate estimate(int i, const Solution& solution, double sd, const SolveSettings& settings) {
+ParameterEstimate estimate(int i, const Solution& solution, double sd, bool free) {
   const double value = solution.parameters[static_cast<std::size_t>(i)];
-  const ParameterBounds& bounds = settings.bounds;
+  const ParameterBounds& bounds = solution.bounds;
   ParameterEstimate e;
   e.value = natural_value(i, value);
-  e.free = settings.free.is_free(i);
+  e.free = free;
   if (!e.free) {
     e.low = e.high = e.value;
     return e;
@@ -121,9 +121,9 @@ void add_notes(Uncertainty& u, bool converged) {
 
 }  // namespace
 
-Uncertainty uncertainty(const Solution& solution, const SolveSettings& settings) {
+Uncertainty uncertainty(const Solution& solution, const FreeParameters& free_parameters) {
   Uncertainty u;
-  const std::vector<int> free = free_indices(settings.free);
+  const std::vector<int> free = free_indices(free_parameters);
   Eigen::MatrixXd jacobian(solution.jacobian.rows(), static_cast<Eigen::Index>(free.size()));
   for (std::size_t k = 0; k < free.size(); ++k)
     jacobian.col(static_cast<Eigen::Index>(k)) = solution.jacobian.col(free[k]);
@@ -137,7 +137,8 @@ Uncertainty uncertainty(const Solution& solution, const SolveSettings& settings)
     for (const int j : free)
       if (i != j) u.correlation(i, j) = u.covariance(i, j) / std::sqrt(u.covariance(i, i) * u.covariance(j, j));
   for (int i = 0; i < parameter_count; ++i)
-    u.parameters[static_cast<std::size_t>(i)] = estimate(i, solution, std::sqrt(u.covariance(i, i)), settings);
+    u.parameters[static_cast<std::size_t>(i)] =
+        estimate(i, solution, std::sqrt(u.covariance(i, i)), free_parameters.is_free(i));
   for (int c = 0; c < 3; ++c) u.alpha_prime[static_cast<std::size_t>(c)] = derive_alpha(c, solution, u.covariance);
   add_notes(u, solution.converged);
   return u;

@@ -30,6 +30,6 @@ struct Uncertainty {
 
 /// (J^T J)^-1 of the whitened Jacobian; directions the data do not determine get a large variance
 /// instead of being dropped.
-Uncertainty uncertainty(const Solution& solution, const SolveSettings& settings);
+Uncertainty uncertainty(const Solution& solution, const FreeParameters& free);
 
 }  // namespace opaline

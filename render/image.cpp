@@ -1,5 +1,6 @@
 #include "render/image.h"
 
+#include "model/check.h"
 #include "render/file.h"
 #include "render/input_error.h"
 #include "render/srgb.h"
@@ -75,6 +76,25 @@ Image::Image(int w, int h, std::vector<std::string> names) : width(w), height(h)
 int Image::channel(const std::string& name) const {
   const auto it = std::find(channels.begin(), channels.end(), name);
   return it == channels.end() ? -1 : static_cast<int>(it - channels.begin());
+}
+
+Image with_layers(const Image& image, const std::map<std::string, Image>& layers) {
+  std::vector<std::string> names = image.channels;
+  for (const auto& [layer, other] : layers) {
+    OPALINE_CHECK(other.width == image.width && other.height == image.height);
+    for (const std::string& channel : other.channels) names.push_back(layer + "." + channel);
+  }
+  Image all(image.width, image.height, names);
+  auto out = all.data.begin();
+  const auto copy_pixel = [&](const Image& from, std::size_t p) {
+    const auto first = from.data.begin() + static_cast<std::ptrdiff_t>(p * from.channels.size());
+    out = std::copy(first, first + from.channel_count(), out);
+  };
+  for (std::size_t p = 0; p < image.pixel_count(); ++p) {
+    copy_pixel(image, p);
+    for (const auto& [layer, other] : layers) copy_pixel(other, p);
+  }
+  return all;
 }
 
 Image read_image(const std::string& path) {

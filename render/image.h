@@ -28,6 +28,9 @@ struct Image {
   int channel(const std::string& name) const;
 };
 
+/// The image with the channels of others of the same size added, named as EXR layers: "variance.R".
+Image with_layers(const Image& image, const std::map<std::string, Image>& layers);
+
 /// Reads any image OpenImageIO reads, as float: the first part of the file, its data window.
 /// Throws InputError on a missing or empty file, an unknown format, or a file that ends early.
 /// Values are as stored: no colour transform (integers are divided by their largest value), no

@@ -57,7 +57,7 @@ RenderResult render_scene(const Scene& scene, const RenderOptions& options, cons
   result.settings = settings.values();
   stage("irradiance");
   Stopwatch watch;
-  const SharedScene shared(scene, options.shared);
+  const SharedScene shared(scene, options.shared, technique.needs_irradiance);
   result.seconds.irradiance = shared.seconds.irradiance;
   result.seconds.gbuffer = std::max(0.0, watch.lap() - shared.seconds.irradiance);
   stage("prepare");
@@ -65,7 +65,8 @@ RenderResult render_scene(const Scene& scene, const RenderOptions& options, cons
   result.seconds.prepare = watch.lap();
   stage("render");
   const Frame frame = prepared->render(shared.view);
-  result.image = shade(scene, shared.view, frame.exitance, options.exit_lobe);
+  result.image = shade(scene, shared.view, frame, options.exit_lobe);
+  result.layers = shade_layers(scene, shared.view, frame, options.exit_lobe);
   result.seconds.render = watch.lap();
   result.counters = shared.counters;
   result.counters += frame.counters;

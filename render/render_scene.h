@@ -24,8 +24,9 @@ struct RenderSeconds {
 };
 
 struct RenderResult {
-  Image image;          ///< R, G, B, A as `shade` makes it
-  std::string backend;  ///< the one used
+  Image image;                          ///< R, G, B, A as `shade` makes it
+  std::map<std::string, Image> layers;  ///< what else the technique knows per pixel: "variance", "bound"
+  std::string backend;                  ///< the one used
   std::map<std::string, std::string> settings;
   Counters counters;
   RenderSeconds seconds;

@@ -17,7 +17,7 @@ ProfileInfo better_dipole_profile() {
                          "9 % at 0.95, 2 % at 0.99, 0.3 % at 0.999, and R_d is far too low within a third of a "
                          "transport mean free path; adding single scattering overshoots at high albedo"},
       .monotone = true,
-      .make = &make_formula_profile<BetterDipole, ceres::Jet<double, 3>>};
+      .build = &make_formula_profile<BetterDipole, ceres::Jet<double, 3>>};
 }
 
 }  // namespace opaline

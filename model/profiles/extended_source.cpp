@@ -19,7 +19,7 @@ ProfileInfo extended_source_profile() {
                          "4 % at 0.95, 1 % at 0.99; R_d grows like 1/r towards the axis, flat below 1/500 of a "
                          "transport mean free path"},
       .monotone = true,
-      .make = &make_numeric_profile<ExtendedSource, ceres::Jet<double, 3>>};
+      .build = &make_numeric_profile<ExtendedSource, ceres::Jet<double, 3>>};
 }
 
 }  // namespace opaline

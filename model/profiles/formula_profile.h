@@ -40,9 +40,9 @@ class FormulaProfile final : public Profile {
   double total_;
 };
 
-/// The `make` of a registry row.
+/// The `build` of a registry row without parameters.
 template <template <typename> class Formula, typename Dual>
-std::unique_ptr<Profile> make_formula_profile(const Medium<double>& medium) {
+std::unique_ptr<Profile> make_formula_profile(const Medium<double>& medium, const ProfileParameters&) {
   return std::make_unique<FormulaProfile<Formula, Dual>>(medium);
 }
 

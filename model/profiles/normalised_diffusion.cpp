@@ -20,7 +20,7 @@ ProfileInfo normalised_diffusion_profile() {
                              "albedo comes from "
                              "Prahl's fit and Saunderson's correction. The 1/r at the axis is smoothed below d/100"},
           .monotone = true,
-          .make = &make_formula_profile<SearchlightNormalisedDiffusion, ceres::Jet<double, 3>>};
+          .build = &make_formula_profile<SearchlightNormalisedDiffusion, ceres::Jet<double, 3>>};
 }
 
 }  // namespace opaline

@@ -20,7 +20,7 @@ ProfileInfo normalised_diffusion_diffuse_profile() {
                              "the shape fitted "
                              "to diffuse transmission"},
           .monotone = true,
-          .make = &make_formula_profile<DiffuseNormalisedDiffusion, ceres::Jet<double, 3>>};
+          .build = &make_formula_profile<DiffuseNormalisedDiffusion, ceres::Jet<double, 3>>};
 }
 
 }  // namespace opaline

@@ -18,7 +18,7 @@ ProfileInfo photon_beam_diffusion_profile() {
                          "profile is within 10 % of transport to 10 transport mean free paths (eta 1.3, alpha' 0.9), "
                          "but the total overshoots at high albedo (1.006 at alpha' 0.999, eta 1)"},
       .monotone = true,
-      .make = &make_numeric_profile<PhotonBeamDiffusion, ceres::Jet<double, 3>>};
+      .build = &make_numeric_profile<PhotonBeamDiffusion, ceres::Jet<double, 3>>};
 }
 
 }  // namespace opaline

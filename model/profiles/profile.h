@@ -1,10 +1,12 @@
 // The contract of a diffusion profile R_d(r), and the registry of all of them.
 //
-// A profile is one templated formula in one .cpp of this folder plus one line in CMakeLists.txt.
-// Normalisation, units: see conventions.h (R_d in 1/mm^2, per transmitted flux).
+// A profile is one templated formula in one .cpp of this folder plus one line in CMakeLists.txt. Its row states what it
+// needs beyond a medium (parameters), what holds for it (monotone, conserves_energy, ...) and where it may be used
+// (domain). Normalisation, units: see conventions.h (R_d in 1/mm^2, per transmitted flux).
 #pragma once
 
 #include "model/conventions.h"
+#include "model/profiles/parameters.h"
 
 #include <memory>
 #include <string>
@@ -27,7 +29,7 @@ class Profile {
   /// R_d at distance r [mm], r >= 0; finite, >= 0, non-increasing in r if the registry says monotone.
   virtual double evaluate(double r) const = 0;
   virtual ProfileGradient evaluate_with_gradient(double r) const = 0;
-  /// 2 pi int_0^inf R_d r dr: total diffuse reflectance, in [0, 1].
+  /// 2 pi int_0^inf R_d r dr: total diffuse reflectance, >= 0; at most 1 if the registry says conserves_energy.
   virtual double total() const = 0;
   /// 2 pi int_0^r R_d s ds, <= total().
   virtual double cumulative(double r) const = 0;
@@ -35,12 +37,18 @@ class Profile {
   virtual double sample(double xi) const = 0;
   /// The radius below which R_d is flat: the shortest length a quadrature must resolve [mm].
   virtual double core_radius() const = 0;
+
+  /// Diffuse transmittance T(r) [1/mm^2] on the far side and its integral; 0 unless the registry says
+  /// has_transmittance.
+  virtual double transmittance(double) const { return 0; }
+  virtual double total_transmittance() const { return 0; }
 };
 
 /// Where a profile may be used, as data.
 struct ProfileDomain {
   double eta_min, eta_max;
-  double alpha_prime_min;  ///< smallest reduced albedo at which the formula is meant to hold
+  double alpha_prime_min;        ///< smallest reduced albedo at which the formula is meant to hold
+  double thickness_min_mfp = 0;  ///< smallest thickness of a layer, in its transport mean free paths 1/sigma_t'
   std::string note;
 };
 
@@ -49,7 +57,24 @@ struct ProfileInfo {
   std::string citation;
   ProfileDomain domain;
   bool monotone;  ///< R_d is positive and non-increasing in r
-  std::unique_ptr<Profile> (*make)(const Medium<double>& medium);
+  /// From a medium and a completed set of parameters; callers use make().
+  std::unique_ptr<Profile> (*build)(const Medium<double>& medium, const ProfileParameters& completed);
+  std::vector<ProfileParameter> parameters = {};
+  bool conserves_energy = true;       ///< total() <= 1
+  bool depends_on_direction = false;  ///< the model knows the direction of incidence; the row is for a normal beam
+  bool depends_on_medium = true;
+  bool has_transmittance = false;
+  double gradient_error = 0;  ///< relative; 0: dual numbers, exact to rounding
+
+  /// The profile of a medium. Throws ProfileParameterError for a parameter that is unknown, missing or not valid.
+  std::unique_ptr<Profile> make(const Medium<double>& medium, const ProfileParameters& given = {}) const;
+  /// `given` checked, with the fallbacks of the others.
+  ProfileParameters complete(const ProfileParameters& given) const;
+  /// Whether every parameter has a fallback: make(medium) works.
+  bool needs_medium_alone() const;
+  /// Why the medium or a layer lies outside the domain, a sentence each; empty inside. For warnings: make() works
+  /// there too.
+  std::vector<std::string> outside_domain(const Medium<double>& medium, const ProfileParameters& given = {}) const;
 };
 
 /// All registered profiles, in the order of CMakeLists.txt.
@@ -57,5 +82,9 @@ const std::vector<ProfileInfo>& profiles();
 
 /// The profile of that name, or nullptr.
 const ProfileInfo* find_profile(const std::string& name);
+
+/// Names of all profiles, or of those that need a medium alone.
+std::vector<std::string> profile_names();
+std::vector<std::string> medium_profile_names();
 
 }  // namespace opaline

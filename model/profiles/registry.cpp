@@ -22,4 +22,18 @@ const ProfileInfo* find_profile(const std::string& name) {
   return row == profiles().end() ? nullptr : &*row;
 }
 
+std::vector<std::string> profile_names() {
+  std::vector<std::string> names;
+  for (const ProfileInfo& info : profiles()) names.push_back(info.name);
+  return names;
+}
+
+std::vector<std::string> medium_profile_names() {
+  std::vector<std::string> names;
+  for (const ProfileInfo& info : profiles()) {
+    if (info.needs_medium_alone()) names.push_back(info.name);
+  }
+  return names;
+}
+
 }  // namespace opaline

@@ -19,7 +19,7 @@ ProfileInfo standard_dipole_profile() {
                          "alpha' 0.8, 10 % at 0.95, 2 % at 0.99 (eta 1 to 1.5); R_d is far too low within a third of a "
                          "transport mean free path and 1.2 to 1.6 times too high around one"},
       .monotone = true,
-      .make = &make_formula_profile<StandardDipole, ceres::Jet<double, 3>>};
+      .build = &make_formula_profile<StandardDipole, ceres::Jet<double, 3>>};
 }
 
 }  // namespace opaline

@@ -13,11 +13,6 @@
 
 namespace opaline {
 
-/// One sample: r [mm] > 0, R_d [1/mm^2] > 0.
-struct ProfileSample {
-  double r, value;
-};
-
 /// What is wrong with a table of samples, and in which of its lines (1 is the first).
 struct ProfileTableError : std::runtime_error {
   ProfileTableError(int at_line, const std::string& what) : std::runtime_error(what), line(at_line) {}

@@ -30,7 +30,7 @@ ProfileInfo transport_table_profile() {
                          "outside 1 to 2 is held at the nearer end. For g != 0 it holds by similarity, beyond a few "
                          "transport mean free paths. The 1/r at the axis is smoothed below 2.5e-4 of them"},
       .monotone = true,
-      .make = &make_numeric_profile<TransportTable, ceres::Jet<double, 3>>};
+      .build = &make_numeric_profile<TransportTable, ceres::Jet<double, 3>>};
 }
 
 }  // namespace opaline

@@ -95,11 +95,11 @@ StressFunction registry_row(const ProfileInfo& info) {
     Medium<double> medium;
     std::unique_ptr<Profile> profile;
   };
-  row.value = [make = info.make, last = std::make_shared<Last>()](const double* x) {
+  row.value = [&info, last = std::make_shared<Last>()](const double* x) {
     const Medium<double> m = medium_of(x);
     const bool same = last->profile && m.sigma_a == last->medium.sigma_a &&
                       m.sigma_s_prime == last->medium.sigma_s_prime && m.eta == last->medium.eta;
-    if (!same) *last = {m, make(m)};
+    if (!same) *last = {m, info.make(m)};
     return last->profile->evaluate(x[3]);
   };
   if (info.monotone) row.monotone = Monotone{3, false};

@@ -50,7 +50,7 @@ void run(Arguments& a, const ShapeLibrary& shapes) {
   const double load = watch.lap();
   const RenderResult result = render_scene(scene, a.render, [&](const std::string& stage) { progress.show(stage); });
   warn_if_empty(result.image);
-  write_exr(a.out, result.image, image_header(scene, a.render, result));
+  write_exr(a.out, with_layers(result.image, result.layers), image_header(scene, a.render, result));
   if (!a.png.empty()) write_png(a.png, result.image, auto_exposure(result.image));
   if (!a.stats.empty())
     write_text_atomically(a.stats, render_stats(a.render, result, load, whole.lap()).dump(2) + "\n");
@@ -71,7 +71,8 @@ void add_render_command(CLI::App& app, const ShapeLibrary& shapes) {
   render->add_option("--backend", a->render.backend, "cpu or gpu (default: the technique's first)");
   render->add_option("--set", a->settings, "Setting of the technique, key=value; may be repeated")
       ->allow_extra_args(false);
-  render->add_option("--out", a->out, "Image to write (.exr: linear R, G, B, A)");
+  render->add_option("--out", a->out,
+                     "Image to write (.exr: linear R, G, B, A; a technique may add layers: variance.R, ...)");
   render->add_option("--png", a->png, "Also an 8-bit sRGB preview, exposed automatically");
   render->add_option("--stats", a->stats, "Also seconds, counters and memory, as JSON");
   render->add_option("--samples", a->render.shared.samples, "Surface cells over all objects")
@@ -85,7 +86,10 @@ void add_render_command(CLI::App& app, const ShapeLibrary& shapes) {
   render->add_option("--exit-lobe", a->exit_lobe, "normalised (energy as in transport) or jensen (as printed)")
       ->check(CLI::IsMember({"normalised", "jensen"}))
       ->capture_default_str();
-  render->add_option("--seed", a->render.shared.irradiance.seed, "Of the light samples")->capture_default_str();
+  render
+      ->add_option("--seed", a->render.shared.irradiance.seed,
+                   "Of the light samples and of techniques that draw random numbers")
+      ->capture_default_str();
   add_threads_option(*render, a->threads);
   render->add_flag("--list", print_list, "Show every technique with its settings")->trigger_on_parse();
   render->footer("Example: opaline render scene.json --technique hierarchical --out image.exr --png image.png");

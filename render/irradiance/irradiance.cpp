@@ -127,24 +127,19 @@ class EdgeRefiner {
   Worker worker_;
 };
 
-/// Mean flux of a cell over all objects.
-double mean_flux(const Scene& scene, const RayScene& rays, const LightSampler& lights,
-                 const std::vector<SurfaceCells>& cells, const IrradianceSettings& settings) {
+/// Mean flux of a cell of one object. Other objects don't matter, so its cells are the same whoever is looked at.
+double mean_flux(const Scene& scene, const RayScene& rays, const LightSampler& lights, std::size_t object,
+                 const SurfaceCells& cells, const IrradianceSettings& settings) {
+  constexpr std::size_t chunk = 4096;
+  std::vector<double> partial((cells.size() + chunk - 1) / chunk, 0.0);
+  tbb::parallel_for(std::size_t{0}, partial.size(), [&](std::size_t k) {
+    EdgeRefiner refiner(scene, rays, lights, object, settings);
+    for (std::size_t i = k * chunk; i < std::min(cells.size(), (k + 1) * chunk); ++i)
+      partial[k] += refiner.spread_and_flux(cells[i], i).second;
+  });
   double flux = 0;
-  std::size_t count = 0;
-  for (std::size_t object = 0; object < cells.size(); ++object) {
-    const SurfaceCells& list = cells[object];
-    constexpr std::size_t chunk = 4096;
-    std::vector<double> partial((list.size() + chunk - 1) / chunk, 0.0);
-    tbb::parallel_for(std::size_t{0}, partial.size(), [&](std::size_t k) {
-      EdgeRefiner refiner(scene, rays, lights, object, settings);
-      for (std::size_t i = k * chunk; i < std::min(list.size(), (k + 1) * chunk); ++i)
-        partial[k] += refiner.spread_and_flux(list[i], i).second;
-    });
-    for (const double part : partial) flux += part;
-    count += list.size();
-  }
-  return flux / static_cast<double>(std::max<std::size_t>(count, 1));
+  for (const double part : partial) flux += part;
+  return flux / static_cast<double>(std::max<std::size_t>(cells.size(), 1));
 }
 
 }  // namespace
@@ -153,9 +148,9 @@ std::vector<SurfaceCells> refine_at_light_edges(const Scene& scene, const RaySce
                                                 std::vector<SurfaceCells> cells, const IrradianceSettings& settings,
                                                 Counters& counters) {
   const LightSampler lights(scene, (settings.area_samples + 3) / 4);
-  const double allowed = mean_flux(scene, rays, lights, cells, settings);
   for (std::size_t object = 0; object < cells.size(); ++object) {
     const SurfaceCells& coarse = cells[object];
+    const double allowed = mean_flux(scene, rays, lights, object, coarse, settings);
     constexpr std::size_t chunk = 1024;
     std::vector<SurfaceCells> parts((coarse.size() + chunk - 1) / chunk);
     tbb::parallel_for(std::size_t{0}, parts.size(), [&](std::size_t k) {

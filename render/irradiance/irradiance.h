@@ -17,7 +17,7 @@ struct IrradianceSettings {
 
 /// Splits cells across which the light changes abruptly (the edge of a beam or a shadow) or that are
 /// large against a projector's footprint, until no cell's flux is uncertain by more than
-/// the mean flux of a cell. Evenly lit cells stay as they are; on a coarse curved surface the cells
+/// the mean flux of a cell of its object. Evenly lit cells stay as they are; on a coarse curved surface the cells
 /// that turn away from the light are split too.
 std::vector<SurfaceCells> refine_at_light_edges(const Scene& scene, const RayScene& rays,
                                                 std::vector<SurfaceCells> cells, const IrradianceSettings& settings,

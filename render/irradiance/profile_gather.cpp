@@ -155,7 +155,7 @@ ChannelProfiles::ChannelProfiles(const ProfileInfo& info, const Material& materi
   tables_.reserve(owner.size());
   for (const int c : owner) {
     const Profile& p = profile(c);
-    tables_.emplace_back([&p](double r) { return p.evaluate(r); }, std::min(p.core_radius(), r_max), r_max);
+    tables_.emplace_back([&p](double r) { return p.evaluate(r); }, core, r_max);  // one core: same segments
     sum_.tables[tables_.size() - 1] = &tables_.back();
   }
   inverse_scale_ = ProfileTable(

@@ -51,8 +51,7 @@ std::unique_ptr<PreparedTechnique> prepare_gather(const SharedScene& shared, con
 }
 
 SettingSpec profile_setting() {
-  std::vector<std::string> names;
-  for (const ProfileInfo& info : profiles()) names.push_back(info.name);
+  const std::vector<std::string> names = medium_profile_names();
   return {"profile", names.front(), "diffusion profile R_d(r)", names};
 }
 

@@ -14,15 +14,20 @@ std::vector<std::vector<double>> material_etas(const Scene& scene) {
 
 }  // namespace
 
-SharedScene::SharedScene(const Scene& s, const SharedSettings& settings) : scene(s), rays(s) {
+SharedScene::SharedScene(const Scene& s, const SharedSettings& shared, bool with_irradiance)
+    : scene(s), settings(shared), rays(s) {
   Stopwatch watch;
   view = make_gbuffer(scene, rays);
   seconds.gbuffer = watch.lap();
+  counters += view.counters;
+  if (!with_irradiance) {
+    counters.skipped["surface_cells"] += settings.samples;
+    return;
+  }
   cells =
       refine_at_light_edges(scene, rays, make_surface_cells(scene, settings.samples), settings.irradiance, counters);
   irradiance = compute_irradiance(scene, rays, cells, material_etas(scene), settings.irradiance, counters);
   seconds.irradiance = watch.lap();
-  counters += view.counters;
   for (const SurfaceCells& c : cells) counters.done["surface_cells"] += c.size();
 }
 

@@ -21,14 +21,15 @@ struct SharedSeconds {
 /// The scene must outlive it.
 struct SharedScene {
   const Scene& scene;
+  SharedSettings settings;
   RayScene rays;
   GBuffer view;
-  std::vector<SurfaceCells> cells;          ///< per object
+  std::vector<SurfaceCells> cells;          ///< per object; empty without irradiance
   std::vector<IrradianceField> irradiance;  ///< per object, for its material's eta
   Counters counters;
   SharedSeconds seconds;
 
-  SharedScene(const Scene& scene, const SharedSettings& settings);
+  SharedScene(const Scene& scene, const SharedSettings& settings, bool with_irradiance = true);
 };
 
 /// Positions of the visible points of one object, and their places in the view.

@@ -3,15 +3,17 @@
 // A technique is one <name>.cpp in this folder and one line in CMakeLists.txt.
 //
 //   prepare   everything that survives an edit of the camera
-//   render    one frame: radiant exitance B at every visible point of the view
+//   render    one frame of a view: radiant exitance B at its visible points, or their radiance
 //
-// The exit lobe F_t / (pi c) is applied by `shade`, the same for every technique.
+// Exitance gets its exit lobe F_t / (pi c) from `shade`, the same for every technique. A technique that
+// follows light through the boundary itself returns the radiance, and no lobe is applied.
 #pragma once
 
 #include "render/image.h"
 #include "render/techniques/settings.h"
 #include "render/techniques/shared_scene.h"
 
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -23,9 +25,16 @@ struct InvalidatedBy {
   bool camera = false, light = false, material = false, geometry = false;
 };
 
+/// Everything per visible point of the view. Either `exitance` or `radiance` is filled, the other is empty.
 struct Frame {
-  std::vector<glm::vec3> exitance;  ///< B per visible point [irradiance]
+  std::vector<glm::vec3> exitance;  ///< B [irradiance]
   Counters counters;
+  std::vector<glm::vec3> radiance;  ///< L_o
+  /// What else the technique knows of its result, by name, in the units of what it returns; beside
+  /// exitance it gets the same exit lobe. Names in use:
+  ///   variance  beside radiance: squared standard error of each value [radiance^2]
+  ///   bound     no value is further than this from what the technique approximates
+  std::map<std::string, std::vector<glm::vec3>> images;
 };
 
 class PreparedTechnique {
@@ -44,6 +53,10 @@ struct Technique {
   std::string (*not_applicable)(const Scene& scene);
   /// The shared scene must outlive the result.
   std::unique_ptr<PreparedTechnique> (*prepare)(const SharedScene& shared, const Settings& settings);
+  /// Does prepare read the cells and their irradiance? If not they aren't made.
+  bool needs_irradiance = true;
+  /// An estimate of transport itself, by chance: no diffusion profile, and the frame has a "variance".
+  bool statistical = false;
 };
 
 /// All registered techniques, in the order of CMakeLists.txt.
@@ -55,5 +68,12 @@ const Technique& find_technique(const std::string& name);
 /// L_o = F_t(eta, w_o) B / (pi c) per pixel, as R, G, B and A (1 where an object is seen).
 Image shade(const Scene& scene, const GBuffer& view, const std::vector<glm::vec3>& exitance,
             ExitLobe lobe = ExitLobe::normalised);
+
+/// The frame's radiance per pixel as R, G, B and A, whichever of the two it holds.
+Image shade(const Scene& scene, const GBuffer& view, const Frame& frame, ExitLobe lobe = ExitLobe::normalised);
+
+/// The frame's other images, R, G and B of radiance (or its square), 0 where no object is seen.
+std::map<std::string, Image> shade_layers(const Scene& scene, const GBuffer& view, const Frame& frame,
+                                          ExitLobe lobe = ExitLobe::normalised);
 
 }  // namespace opaline

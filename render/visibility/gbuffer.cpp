@@ -27,7 +27,7 @@ VisiblePoint visible_point(std::uint32_t pixel, const SurfaceHit& hit, const Mes
     normal = p.face_normal;
     cosine = std::abs(glm::dot(normal, to_viewer));
   }
-  return {pixel, hit.object, hit.triangle, p.position, normal, std::min(std::max(cosine, 1e-6f), 1.0f)};
+  return {pixel, hit.object, hit.triangle, p.position, normal, std::min(std::max(cosine, 1e-6f), 1.0f), to_viewer};
 }
 
 }  // namespace

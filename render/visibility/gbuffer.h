@@ -23,6 +23,7 @@ struct VisiblePoint {
   glm::vec3 position;  ///< mm
   glm::vec3 normal;    ///< shading normal, outward
   float cos_o;         ///< n . w_o in (0, 1]
+  glm::vec3 w_o{0};    ///< unit, towards the viewer
 };
 
 struct GBuffer {

@@ -55,7 +55,7 @@ TEST_F(FitJobTest, SearchesOnlyWhatTheOperatorResolves) {
   const FitReport report = run(job_);
   // r_0 is a fraction of the sphere's bounding diagonal.
   const double r_0 = job_.op.core_fraction * 10 * std::sqrt(3.0);
-  EXPECT_NEAR(report.job.solve.bounds.sigma_max * r_0, 1, 0.01);
+  EXPECT_NEAR(report.solution.bounds.sigma_max * r_0, 1, 0.01);
   EXPECT_EQ(job_.solve.bounds.sigma_max, 1e4);
 }
 

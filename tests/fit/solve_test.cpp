@@ -201,7 +201,7 @@ TEST(Solve, EndsAtABoundAndSaysSo) {
   settings.bounds.sigma_max = 2;  // marble scatters more: 2.19, 2.62, 3.00
   settings.bounds.eta_min = 1.6;  // and bends less: 1.5
   const Solution s = solve(sphere.target(sphere.picture()), dipole(), test::neutral_material(), settings);
-  const Uncertainty u = uncertainty(s, settings);
+  const Uncertainty u = uncertainty(s, settings.free);
   for (std::size_t i = 3; i < parameter_count; ++i) {
     EXPECT_NEAR(u.parameters[i].value, i == eta_index ? 1.6 : 2, 1e-6);
     EXPECT_FALSE(u.parameters[i].identifiable);

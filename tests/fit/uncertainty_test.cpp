@@ -74,7 +74,7 @@ TEST(Uncertainty, OfAFewFreeParametersLeavesOutTheOthers) {
   const Eigen::MatrixXd jacobian = random_jacobian(30);
   SolveSettings settings;
   settings.free = parse_free("sigma_a");
-  const Uncertainty u = uncertainty(solution_with(jacobian), settings);
+  const Uncertainty u = uncertainty(solution_with(jacobian), settings.free);
   const Eigen::MatrixXd expected = (jacobian.leftCols(3).transpose() * jacobian.leftCols(3)).inverse();
   EXPECT_LT((u.covariance.topLeftCorner(3, 3) - expected).norm(), 1e-9 * expected.norm());
   EXPECT_EQ(u.covariance.rightCols(4).norm(), 0);
@@ -188,7 +188,7 @@ TEST(Uncertainty, AValueAtItsBoundIsNotIdentified) {
   Solution s = solution_with(diagonal({0.01, 0.01, 0.01, 0.01, 0.01, 0.01, 0.01}));
   s.parameters[2] = std::log(settings.bounds.sigma_min);
   s.parameters[eta_index] = settings.bounds.eta_max;
-  const Uncertainty u = uncertainty(s, settings);
+  const Uncertainty u = uncertainty(s, settings.free);
   for (const std::size_t i : {std::size_t{2}, std::size_t{eta_index}}) {
     EXPECT_FALSE(u.parameters[i].identifiable);
     EXPECT_THAT(u.parameters[i].reason, HasSubstr("bound"));

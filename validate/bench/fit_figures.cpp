@@ -59,7 +59,7 @@ Fitted fit_picture(const TransportOperator& op, const Image& picture, int starts
   Material neutral;
   neutral.sigma_a = Rgb(0.05), neutral.sigma_s_prime = Rgb(1), neutral.eta = 1.35;
   fitted.solution = solve(targets, *find_profile("standard_dipole"), neutral, settings);
-  fitted.uncertainty = uncertainty(fitted.solution, settings);
+  fitted.uncertainty = uncertainty(fitted.solution, settings.free);
   return fitted;
 }
 

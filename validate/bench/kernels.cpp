@@ -75,7 +75,7 @@ void bench_profile_sum(benchmark::State& state, const std::string& target) {
   sum.table_count = 3;
   for (const double sigma_a : {0.0011, 0.0024, 0.014}) {
     const auto profile = profiles().front().make({sigma_a, 3, 1.3});
-    tables.emplace_back([&](double r) { return profile->evaluate(r); }, profile->core_radius(), 20.0);
+    tables.emplace_back([&](double r) { return profile->evaluate(r); }, 0.32, 20.0);
   }
   for (std::size_t t = 0; t < 3; ++t) sum.tables[t] = &tables[t], sum.table_of[t] = static_cast<int>(t);
   float sums[3] = {0, 0, 0};
