@@ -61,8 +61,8 @@ void walk(const Options& o) {
 void add_walk(CLI::App& transport) {
   const auto o = std::make_shared<Options>();
   CLI::App* app = transport.add_subcommand("walk", "Monte-Carlo of a pencil beam on a half space or slab, as JSON");
-  app->add_option("--sigma-a", o->medium.sigma_a, "Absorption [1/mm]")->required();
-  app->add_option("--sigma-s-prime", o->medium.sigma_s_prime, "Reduced scattering [1/mm]")->required();
+  app->add_option("--sigma-a", o->medium.sigma_a, "Absorption [1/mm]")->required()->delimiter(',');
+  app->add_option("--sigma-s-prime", o->medium.sigma_s_prime, "Reduced scattering [1/mm]")->required()->delimiter(',');
   app->add_option("--eta", o->medium.eta, "Refraction index, inside / outside")->required();
   app->add_option("--g", o->medium.g, "Mean scattering cosine (Henyey-Greenstein)")->capture_default_str();
   app->add_option("--thickness", o->thickness, "Of a slab [mm]; without it a half space");
