@@ -2,7 +2,7 @@
 // two or more scatterings, as a sum of two-dimensional Yukawa terms,
 //   R_m(r) = sum_j w_j K_0(kappa_j r)/(2 pi),   w_j > 0,   kappa_j >= 1/v0
 // so that its Hankel transform is sum_j w_j/(k^2 + kappa_j^2). The transform (searchlight_transform.h) is known at 39
-// real wave numbers up to 340 and, where 1/v0 allows, at imaginary ones, which weigh the tail; the sum is fitted to it
+// real wave numbers up to 330 and, where 1/v0 allows, at imaginary ones, which weigh the tail; the sum is fitted to it
 // by non-negative least squares over kappa^2 = 1/v0^2 + 10^(-9 ... 6). That such a sum exists is not proved, but shown:
 // the fit's residual is as small as the error of the transform. It makes R_m positive and falling, with the exact
 // exponent of its decay.
