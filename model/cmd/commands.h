@@ -1,5 +1,6 @@
-// `opaline profile`, `opaline material` and `opaline stress`. Wrong values throw std::invalid_argument, whose message
-// names the option and the valid choices; the main program turns it into exit code 2.
+// `opaline profile`, `opaline material`, `opaline stress` and `opaline transport`. Wrong values throw
+// std::invalid_argument, whose message names the option and the valid choices; the main program turns it into exit
+// code 2.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -15,5 +16,8 @@ void add_material_command(CLI::App& app);
 /// Adds `stress`: rounding errors and invalid values of every formula; throws CommandFailed (exit_status.h) past a
 /// limit.
 void add_stress_command(CLI::App& app);
+
+/// Adds `transport`: Monte-Carlo walks, the maker of the profile transport_table, and models' errors against it.
+void add_transport_command(CLI::App& app);
 
 }  // namespace opaline

@@ -1,6 +1,7 @@
 #include "model/profiles/gaussian_sum.h"
 
 #include "model/check.h"
+#include "model/non_negative_least_squares.h"
 
 #include <Eigen/Dense>
 
@@ -9,51 +10,6 @@
 
 namespace opaline {
 namespace {
-
-/// The largest step from x towards a solution that keeps the active entries >= 0.
-double feasible_step(const Eigen::VectorXd& x, const Eigen::VectorXd& target, const std::vector<int>& active) {
-  double step = 1;
-  for (std::size_t k = 0; k < active.size(); ++k) {
-    const double from = x[active[k]], to = target[static_cast<int>(k)];
-    if (to < 0) step = std::min(step, from / (from - to));
-  }
-  return step;
-}
-
-Eigen::VectorXd solve_subset(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, const std::vector<int>& active) {
-  return a(Eigen::all, active).colPivHouseholderQr().solve(b);
-}
-
-/// Least squares on the active entries, dropping the ones that would turn negative until none does.
-void refine(const Eigen::MatrixXd& a, const Eigen::VectorXd& b, std::vector<int>& active, Eigen::VectorXd& x) {
-  while (!active.empty()) {
-    const Eigen::VectorXd target = solve_subset(a, b, active);
-    const double step = feasible_step(x, target, active);
-    for (std::size_t k = 0; k < active.size(); ++k) {
-      double& value = x[active[k]];
-      value += step * (target[static_cast<int>(k)] - value);
-      if (step < 1 && target[static_cast<int>(k)] < 0 && value < 1e-14) value = 0;
-    }
-    if (step == 1) return;
-    std::erase_if(active, [&](int i) { return x[i] <= 0; });
-  }
-}
-
-/// min |a x - b|, x >= 0 (Lawson & Hanson 1974).
-Eigen::VectorXd non_negative_least_squares(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(a.cols());
-  std::vector<int> active;
-  const double small = 1e-12 * (a.transpose() * b).cwiseAbs().maxCoeff();
-  for (int round = 0; round < 3 * a.cols(); ++round) {
-    Eigen::VectorXd gradient = a.transpose() * (b - a * x);
-    for (const int i : active) gradient[i] = 0;
-    int best = 0;
-    if (gradient.maxCoeff(&best) <= small) break;
-    active.push_back(best);
-    refine(a, b, active, x);
-  }
-  return x;
-}
 
 double gaussian(double r, double v) { return std::exp(-r * r / (2 * v)) / (2 * pi * v); }
 
