@@ -16,33 +16,22 @@
 
 namespace opaline {
 
-/// (1 + y) exp(-y) with y = sqrt(t), t >= 0. Smooth in t to first order (derivative -exp(-y)/2), but
-/// the derivative of sqrt is infinite at 0: a dual number (ceres::Jet: value `a`, gradient `v`) gets
-/// the closed form, so that gradients stay exact down to sigma_a = 0. 0 beyond y = 1e4.
+/// exp(-y) counts as 0 beyond.
 template <typename T>
-T screening(const T& t) {
-  using std::exp;
-  using std::sqrt;
-  if constexpr (requires {
-                  t.a;
-                  t.v;
-                }) {
-    const auto y = sqrt(t.a);
-    return y < 1e4 ? T(screening(t.a), t.v * (-0.5 * exp(-y))) : T(0.0);
-  } else {
-    const T y = sqrt(t);
-    return y < 1e4 ? T((1.0 + y) * exp(-y)) : T(0.0);
-  }
+constexpr double largest_exponent = 1e4;
+
+template <typename T>
+T choose(bool condition, const T& a, const T& b) {
+  return condition ? a : b;
 }
 
-/// P as a function of q = r^2 and sigma^2: no square root of an argument, so smooth in both.
 template <typename T>
-T pole_evaluate_squared(const T& q, const T& z, const T& sigma_squared) {
+T inverse_sqrt(const T& x) {
   using std::sqrt;
-  const T d_squared = q + z * z;
-  // In this order neither d^3 nor its derivatives overflow.
-  return screening(T(sigma_squared * d_squared)) * (z / sqrt(d_squared)) / (2.0 * pi * d_squared);
+  return 1.0 / sqrt(x);
 }
+
+#include "model/profiles/pole_formula.inl"
 
 /// 2 pi int_0^r P s ds = exp(-sigma z) - (z/d) exp(-sigma d), written with h = d - z so that every
 /// term is positive: full relative accuracy down to r = 0.
