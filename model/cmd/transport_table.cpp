@@ -63,7 +63,7 @@ void print_errors() {
     for (std::size_t i = 0; i < albedos.size(); ++i) fmt::print("---|");
     fmt::print("\n");
     for (const ProfileInfo& model : profiles()) {
-      if (model.name == "transport_table") continue;
+      if (model.name == "transport_table" || !model.needs_medium_alone()) continue;
       fmt::print("| {} |", model.name);
       for (const double albedo : albedos) {
         const ModelError e = model_error(model, albedo, eta);

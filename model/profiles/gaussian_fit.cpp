@@ -3,8 +3,6 @@
 #include "model/check.h"
 #include "model/non_negative_least_squares.h"
 
-#include <Eigen/Dense>
-
 #include <algorithm>
 #include <cmath>
 

@@ -71,8 +71,9 @@ constexpr const char* fast_render = "render scene.json --technique hierarchical 
 
 TEST_F(Cli, HelpOfEveryCommandHasAnExample) {
   std::map<std::string, std::future<Ending>> endings;  // starting up takes longest: side by side
-  for (const std::string command : {"profile", "material", "material list", "material show", "dataset", "dataset list",
-                                    "dataset make", "render", "compare", "fit"})
+  for (const std::string command :
+       {"profile", "material", "material list", "material show", "dataset", "dataset list", "dataset make", "render",
+        "compare", "fit", "transport", "transport walk", "transport table", "transport errors"})
     endings[command] = std::async(std::launch::async, [this, command] { return run(command + " --help"); });
   for (auto& [command, ending] : endings) {
     SCOPED_TRACE(command);
@@ -211,6 +212,24 @@ TEST_F(Cli, ListsRecipesAndTechniques) {
   const Ending e = run("render --list");
   EXPECT_EQ(e.status, 0);
   EXPECT_THAT(e.out, AllOf(HasSubstr("brute_force"), HasSubstr("Jensen"), HasSubstr("max_relative_error=1e-3")));
+}
+
+TEST_F(Cli, WalksAndComparesModelsWithTransport) {
+  const std::string medium = "--sigma-a 0.1 --sigma-s-prime 0.9 --eta 1.5 --walks 200000 --r 0:2:1";
+  const json walk = json::parse(run("transport walk " + medium).out);
+  const json reflected = walk.at("reflected");
+  // Giovanelli's half space, per flux that has entered (science notes B.1).
+  const double error = reflected.at("standard_error");
+  EXPECT_LT(std::abs(reflected.at("value").get<double>() - .229082), 4 * error);
+  EXPECT_LT(error, 2e-3);
+  EXPECT_EQ(walk.at("reflectance").size(), 2u);
+  const json slab = json::parse(run("transport walk --thickness 1 " + medium).out);
+  EXPECT_GT(slab.at("transmitted").at("value").get<double>(), .1);
+  const Ending errors = run("transport errors");
+  EXPECT_THAT(errors.out, AllOf(HasSubstr("| standard_dipole | "), HasSubstr("eta 1.5"), HasSubstr("| 0.999 |")));
+  expect_wrong("transport walk --sigma-a 0.1 --sigma-s-prime 0.9 --eta 1.5 --thickness 0", {"--thickness"});
+  expect_wrong("transport walk --sigma-a 0.1,1,1 --sigma-s-prime 0.9 --eta 1.5", {"--sigma-a", "one channel"});
+  expect_wrong("transport table --out no/table.inc", {"--out", "no/table.inc"});
 }
 
 }  // namespace
