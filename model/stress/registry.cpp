@@ -44,6 +44,7 @@ std::vector<StressFunction> stress_functions() {
   add_fresnel_functions(rows);
   add_profile_functions(rows);
   add_sampling_functions(rows);
+  add_float_functions(rows);
   return rows;
 }
 
