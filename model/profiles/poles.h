@@ -47,8 +47,9 @@ T pole_cumulative(const T& r, const T& z, const T& sigma) {
 
 /// The distance r with pole_cumulative(r) = xi exp(-sigma z), xi in [0, 1): solve
 /// sigma z w + log(1 + w) = -log(1 - xi) for w = d/z - 1 >= 0. Relative error below 1e-14 for xi up
-/// to 1 - 2^-53 and sigma z from 0 to 1e300, as long as xi/(1 + sigma z) > 1e-300.
-inline double sample_pole(double z, double sigma, double xi) {
+/// to 1 - 2^-53 and sigma z from 0 to 1e300, as long as xi/(1 + sigma z) > 1e-300. At most 8 steps, which are added to
+/// *steps.
+inline double sample_pole(double z, double sigma, double xi, int* steps = nullptr) {
   const double target = -std::log1p(-xi);
   if (!(target > 0)) return 0;
   // In v = log(1 + w) the equation c expm1(v) + v = target is increasing and convex, and both bounds
@@ -60,6 +61,7 @@ inline double sample_pole(double z, double sigma, double xi) {
     const double w = std::expm1(v);
     const double step = (c * w + (v - target)) / (c * w + c + 1);
     v -= step;
+    if (steps) ++*steps;
     if (std::abs(step) <= 1e-9 * v) break;  // quadratic: the next step is below the rounding
   }
   const double w = std::expm1(v);
@@ -68,11 +70,11 @@ inline double sample_pole(double z, double sigma, double xi) {
 
 /// Sampling of the sum of two poles at depths z_near <= z_far: one of them, chosen by its share of the flux,
 /// reusing xi. (Not the inverse of the summed cumulative: the result isn't monotone in xi.)
-inline double sample_pole_pair(double z_near, double z_far, double sigma, double xi) {
+inline double sample_pole_pair(double z_near, double z_far, double sigma, double xi, int* steps = nullptr) {
   constexpr double below_one = 1 - 0x1p-53;
   const double share = 1 / (1 + std::exp(-sigma * (z_far - z_near)));
-  if (xi < share) return sample_pole(z_near, sigma, std::min(xi / share, below_one));
-  return sample_pole(z_far, sigma, std::min((xi - share) / (1 - share), below_one));
+  if (xi < share) return sample_pole(z_near, sigma, std::min(xi / share, below_one), steps);
+  return sample_pole(z_far, sigma, std::min((xi - share) / (1 - share), below_one), steps);
 }
 
 }  // namespace opaline

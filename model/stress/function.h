@@ -41,6 +41,8 @@ struct StressFunction {
   double (*gradient_scale)(const Input& inputs, std::size_t i) = nullptr;
   bool non_negative = true;
   std::optional<Monotone> monotone = std::nullopt;
+  double unit = 1;         ///< errors and limit count in this many units of the last place of a double; 2^29 for floats
+  double dark = 1e-280;    ///< below, digits are lost to underflow: the value must be small too and isn't compared
   std::uint64_t cost = 1;  ///< divides the number of points, and of corners, in 100 digits
 };
 
@@ -110,6 +112,7 @@ void add_profile_functions(std::vector<StressFunction>& rows);
 void add_slab_functions(std::vector<StressFunction>& rows);
 void add_sampling_functions(std::vector<StressFunction>& rows);
 void add_registry_functions(std::vector<StressFunction>& rows);
+void add_float_functions(std::vector<StressFunction>& rows);
 
 /// All rows. They may remember their last inputs: one thread each.
 std::vector<StressFunction> stress_functions();

@@ -50,6 +50,7 @@ std::vector<StressFunction> stress_functions() {
   add_slab_functions(rows);
   add_sampling_functions(rows);
   add_registry_functions(rows);
+  add_float_functions(rows);
   return rows;
 }
 

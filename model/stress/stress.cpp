@@ -54,12 +54,12 @@ bool check_value(double value, StressResult& result, const StressFunction& row, 
 
 void compare(double value, const Exact& exact, StressResult& result, const StressFunction& row, const Input& input) {
   ++result.points;
-  if (exact.size != 0 && exact.size < dark) {
+  if (exact.size != 0 && exact.size < row.dark) {
     ++result.dark;
-    if (std::abs(value) > 2 * dark) keep_worst(result.scaled, HUGE_VAL, exact.condition, row, input);
+    if (std::abs(value) > 2 * row.dark) keep_worst(result.scaled, HUGE_VAL, exact.condition, row, input);
     return;
   }
-  const double error = ulp_error(value, exact);
+  const double error = ulp_error(value, exact) / row.unit;
   keep_worst(result.plain, error, exact.condition, row, input);
   keep_worst(result.scaled, error / (1 + exact.condition), exact.condition, row, input);
 }

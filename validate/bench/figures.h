@@ -40,6 +40,15 @@ struct SceneChoice {
 /// The object centred, side-lit by one white directional light, filling most of the film.
 Scene bench_scene(const SceneChoice& choice);
 
+/// Inner loops on one core, for every vector target of the processor.
+std::vector<Figure> kernel_figures();
+
+struct ModelChoice {
+  std::uint64_t samples = 10000000;  ///< per sampler
+  std::uint64_t walks = 20000000;    ///< per row of the transport check; 1e8 brings its standard errors below 1e-4
+};
+std::vector<Figure> model_figures(const ModelChoice& choice);
+
 std::vector<Figure> render_figures(const SceneChoice& choice);
 std::vector<Figure> fit_figures(const SceneChoice& choice);
 
