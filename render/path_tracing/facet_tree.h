@@ -1,0 +1,73 @@
+// Finds every facet through which light reaches a point inside by refraction. A mesh has thousands of facets and a
+// point sees the light through a handful of them.
+//
+// A node holds a ball around its facets and a cone around their normals. Let u(n, l) be the direction inside towards a
+// facet of normal n and a light in direction l. For eta >= 1, turning n by an angle turns u by no more than it, and so
+// does turning l (the deviation theta_i - theta_t grows with theta_i, slower than it). With the node's mean normal n0
+// and l0 at its centre, every facet of the node has its u within beta + 2 delta of u(n0, l0), where beta is the cone's
+// half-angle and delta the ball's half-angle seen from the light (0 for a far one). A ray from y that hits the node
+// is within alpha, the ball's half-angle seen from y, of the direction to its centre. If these two cones don't meet,
+// no facet of the node can be a solution. For eta < 1 u may turn faster; then only facets that face away are pruned.
+#pragma once
+
+#include "render/path_tracing/facet.h"
+
+#include <cstdint>
+#include <vector>
+
+namespace opaline {
+
+struct SearchCounts {
+  std::uint64_t nodes = 0, facets = 0, rays_found = 0;
+};
+
+class FacetTree {
+ public:
+  FacetTree() = default;
+  explicit FacetTree(std::vector<Facet> facets);
+
+  /// In the order of the mesh.
+  const std::vector<Facet>& facets() const { return facets_; }
+
+  /// Calls visit(RefractedRay, Facet) for each facet with one, whether or not something is in its way.
+  template <typename Visit>
+  void for_each_ray(const PointOrDirection& light, const glm::dvec3& y, double eta, SearchCounts& counts,
+                    Visit&& visit) const {
+    std::uint32_t stack[64];
+    int top = 0;
+    if (!nodes_.empty()) stack[top++] = 0;
+    while (top > 0) {
+      const Node& node = nodes_[stack[--top]];
+      ++counts.nodes;
+      if (!may_hold_ray(node, light, y, eta)) continue;
+      if (node.count == 0) {
+        stack[top++] = node.first;
+        stack[top++] = node.first + 1;
+        continue;
+      }
+      for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+        ++counts.facets;
+        if (const auto ray = refracted_ray(facets_[order_[i]], light, y, eta)) {
+          ++counts.rays_found;
+          visit(*ray, facets_[order_[i]]);
+        }
+      }
+    }
+  }
+
+ private:
+  struct Node {
+    glm::dvec3 centre, axis;
+    double radius, cos_beta, sin_beta;
+    std::uint32_t first, count;  // facets of a leaf in `order_`; count 0: its two children stand at `first`
+  };
+  static bool may_hold_ray(const Node& node, const PointOrDirection& light, const glm::dvec3& y, double eta);
+  void build(std::uint32_t node, std::uint32_t first, std::uint32_t count);
+  void bound(Node& node, std::uint32_t first, std::uint32_t count) const;
+
+  std::vector<Facet> facets_;
+  std::vector<std::uint32_t> order_;
+  std::vector<Node> nodes_;
+};
+
+}  // namespace opaline
