@@ -32,6 +32,16 @@ Angle half_angle(double radius, double distance) {
 
 }  // namespace
 
+std::vector<Facet> facets_of(const Mesh& mesh) {
+  std::vector<Facet> facets;
+  facets.reserve(mesh.triangles.size());
+  for (const glm::uvec3& t : mesh.triangles) {
+    const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
+    facets.push_back({a, b - a, c - a, glm::normalize(glm::cross(b - a, c - a))});
+  }
+  return facets;
+}
+
 FacetTree::FacetTree(std::vector<Facet> facets) : facets_(std::move(facets)), order_(facets_.size()) {
   if (facets_.empty()) return;
   std::iota(order_.begin(), order_.end(), 0u);
@@ -86,7 +96,7 @@ void FacetTree::bound(Node& node, std::uint32_t first, std::uint32_t count) cons
   node.sin_beta = std::sqrt(std::max(0.0, (1 - node.cos_beta) * (1 + node.cos_beta)));
 }
 
-bool FacetTree::may_hold_ray(const Node& node, const PointOrDirection& light, const glm::dvec3& y, double eta) {
+bool FacetTree::may_hold_ray(const Node& node, const PointOrDirection& light, const glm::dvec3& to_node, double eta) {
   if (!light.may_light(node.centre, node.radius)) return false;
   glm::dvec3 l = light.place;
   Angle delta, beta{node.cos_beta, node.sin_beta};
@@ -100,7 +110,6 @@ bool FacetTree::may_hold_ray(const Node& node, const PointOrDirection& light, co
   const double cosine = glm::dot(node.axis, l);
   if (spread.cosine > 0 && cosine < -spread.sine) return false;  // every facet faces away
   if (eta < 1) return true;
-  const glm::dvec3 to_node = node.centre - y;
   const double distance = glm::length(to_node);
   Angle total = half_angle(node.radius, distance) + spread + delta;
   glm::dvec3 normal = node.axis;

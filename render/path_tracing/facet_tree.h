@@ -11,11 +11,14 @@
 #pragma once
 
 #include "render/path_tracing/facet.h"
+#include "render/scene/mesh.h"
 
 #include <cstdint>
 #include <vector>
 
 namespace opaline {
+
+std::vector<Facet> facets_of(const Mesh& mesh);
 
 struct SearchCounts {
   std::uint64_t nodes = 0, facets = 0, rays_found = 0;
@@ -29,9 +32,10 @@ class FacetTree {
   /// In the order of the mesh.
   const std::vector<Facet>& facets() const { return facets_; }
 
-  /// Calls visit(RefractedRay, Facet) for each facet with one, whether or not something is in its way.
+  /// Calls visit(RefractedRay, Facet) for each facet with one whose length inside is at most `reach`, whether or not
+  /// something is in its way.
   template <typename Visit>
-  void for_each_ray(const PointOrDirection& light, const glm::dvec3& y, double eta, SearchCounts& counts,
+  void for_each_ray(const PointOrDirection& light, const glm::dvec3& y, double eta, double reach, SearchCounts& counts,
                     Visit&& visit) const {
     std::uint32_t stack[64];
     int top = 0;
@@ -39,7 +43,9 @@ class FacetTree {
     while (top > 0) {
       const Node& node = nodes_[stack[--top]];
       ++counts.nodes;
-      if (!may_hold_ray(node, light, y, eta)) continue;
+      const double near = reach + node.radius;
+      const glm::dvec3 to_node = node.centre - y;
+      if (glm::dot(to_node, to_node) > near * near || !may_hold_ray(node, light, to_node, eta)) continue;
       if (node.count == 0) {
         stack[top++] = node.first;
         stack[top++] = node.first + 1;
@@ -47,7 +53,8 @@ class FacetTree {
       }
       for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
         ++counts.facets;
-        if (const auto ray = refracted_ray(facets_[order_[i]], light, y, eta)) {
+        const auto ray = refracted_ray(facets_[order_[i]], light, y, eta);
+        if (ray && ray->length <= reach) {
           ++counts.rays_found;
           visit(*ray, facets_[order_[i]]);
         }
@@ -61,7 +68,7 @@ class FacetTree {
     double radius, cos_beta, sin_beta;
     std::uint32_t first, count;  // facets of a leaf in `order_`; count 0: its two children stand at `first`
   };
-  static bool may_hold_ray(const Node& node, const PointOrDirection& light, const glm::dvec3& y, double eta);
+  static bool may_hold_ray(const Node& node, const PointOrDirection& light, const glm::dvec3& to_node, double eta);
   void build(std::uint32_t node, std::uint32_t first, std::uint32_t count);
   void bound(Node& node, std::uint32_t first, std::uint32_t count) const;
 

@@ -11,16 +11,6 @@
 namespace opaline {
 namespace {
 
-std::vector<Facet> facets_of(const Mesh& mesh) {
-  std::vector<Facet> facets;
-  facets.reserve(mesh.triangles.size());
-  for (const glm::uvec3& t : mesh.triangles) {
-    const glm::dvec3 a(mesh.positions[t.x]), b(mesh.positions[t.y]), c(mesh.positions[t.z]);
-    facets.push_back({a, b - a, c - a, glm::normalize(glm::cross(b - a, c - a))});
-  }
-  return facets;
-}
-
 /// Vertices of equal position have the number of the first of them.
 std::vector<std::uint32_t> positions_joined(const Mesh& mesh) {
   struct Hash {

@@ -11,7 +11,7 @@ namespace opaline {
 /// Work done, and what was left out by chance or by rounding.
 struct PathCounts {
   std::uint64_t walks = 0, scatterings = 0, reflections = 0, exits = 0, roulette_ends = 0, connections = 0,
-                faint_connections = 0, lost = 0;
+                searches_skipped = 0, lost = 0;
   SearchCounts search;
   RayCounts rays;
   ChainCounts chain;

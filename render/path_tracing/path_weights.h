@@ -68,14 +68,16 @@ class PathWeights {
   /// compromise between long paths and noisy ones.
   bool survives(double xi) {
     constexpr double threshold = 0.5;
-    double most = 0;
-    for_each([&](std::size_t k) { most = std::max(most, value_[k]); });
-    const double survival = most * channels_->count / threshold;
+    const double survival = most() * channels_->count / threshold;
     if (survival >= 1) return true;
     if (!(xi < survival)) return false;
     for_each([&](std::size_t k) { value_[k] /= survival; });
     return true;
   }
+
+  /// The largest of the values.
+  double most() const { return *std::max_element(value_.begin(), value_.begin() + channels_->count); }
+  double smallest_extinction() const { return channels_->smallest_sigma_t; }
 
   /// Weights in R, G, B of light that comes over a further `length` of the medium.
   Rgb over(double length) const {

@@ -45,7 +45,7 @@ Counters named(const PathCounts& c, std::uint64_t paths, std::uint64_t equal_cha
                    {"light_chain_links", c.chain.links},
                    {"light_chain_trials", c.chain.trials}};
   counters.skipped = {{"equal_channel_walks", equal_channels},
-                      {"faint_connections", c.faint_connections},
+                      {"faint_searches", c.searches_skipped},
                       {"walks_lost_at_edges", c.lost},
                       {"light_chains_given_up", c.chain.trials_given_up}};
   return counters;
