@@ -128,4 +128,42 @@ bool FacetTree::may_hold_ray(const Node& node, const PointOrDirection& light, co
   return glm::dot(u, to_node) >= (total.cosine - 1e-9) * distance;
 }
 
+std::vector<double> FacetTree::node_sums(const std::vector<double>& values) const {
+  std::vector<double> sums(nodes_.size());
+  for (std::size_t i = nodes_.size(); i-- > 0;) {  // children stand behind their parent
+    const Node& node = nodes_[i];
+    if (node.count == 0) sums[i] = sums[node.first] + sums[node.first + 1];
+    for (std::uint32_t k = node.first; k < node.first + node.count; ++k) sums[i] += values[order_[k]];
+  }
+  return sums;
+}
+
+FacetTree::Drawn FacetTree::draw(const std::vector<double>& values, const std::vector<double>& sums,
+                                 const glm::dvec3& place, double scale, double xi) const {
+  std::uint32_t at = 0;
+  double probability = 1;
+  // Takes the first of two with probability p and makes xi uniform again.
+  const auto takes_first = [&](double p) {
+    const bool first = xi < p;
+    xi = first ? xi / p : (xi - p) / (1 - p);
+    probability *= first ? p : 1 - p;
+    return first;
+  };
+  while (nodes_[at].count == 0) {
+    const auto worth = [&](std::uint32_t child) {
+      const glm::dvec3 d = nodes_[child].centre - place;
+      return sums[child] / (glm::dot(d, d) + nodes_[child].radius * nodes_[child].radius + scale * scale);
+    };
+    const double a = worth(nodes_[at].first), b = worth(nodes_[at].first + 1);
+    at = nodes_[at].first + (takes_first(a / (a + b)) ? 0 : 1);
+  }
+  std::uint32_t k = nodes_[at].first;
+  double rest = sums[at];
+  for (const std::uint32_t last = k + nodes_[at].count - 1; k < last; ++k) {
+    if (takes_first(values[order_[k]] / rest)) break;
+    rest -= values[order_[k]];
+  }
+  return {order_[k], probability};
+}
+
 }  // namespace opaline

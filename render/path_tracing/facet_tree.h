@@ -62,6 +62,18 @@ class FacetTree {
     }
   }
 
+  /// Sums of values (one per facet, >= 0) over each node, for `draw`.
+  std::vector<double> node_sums(const std::vector<double>& values) const;
+  /// Draws a facet with a probability that grows with its value and falls with its distance d from a place, about as
+  /// 1/(d^2 + scale^2): from the root on, a child is taken by what its sum is worth there. Facets of value 0 are never
+  /// drawn; the values must not all be 0.
+  struct Drawn {
+    std::uint32_t facet;
+    double probability;
+  };
+  Drawn draw(const std::vector<double>& values, const std::vector<double>& sums, const glm::dvec3& place, double scale,
+             double xi) const;
+
  private:
   struct Node {
     glm::dvec3 centre, axis;

@@ -40,21 +40,23 @@ std::optional<glm::dvec3> entering(const Facet& facet, const glm::dvec3& point, 
 }  // namespace
 
 LightChains::LightChains(const Interior& interior, const PathLights& lights, std::size_t light, double extinction)
-    : interior_(&interior), going_on_(std::clamp(std::exp(-extinction * interior.mean_chord()), 0.2, 0.95)) {
+    : interior_(&interior),
+      going_on_(std::clamp(std::exp(-extinction * interior.mean_chord()), 0.2, 0.95)),
+      scale_(2 / extinction) {
   if (interior.eta() == 1) return;  // nothing reflects
   const auto [where, spread] = lights.reach(light);
-  double sum = 0;
-  for (const Facet& facet : interior.tree().facets()) cumulative_.push_back(sum += light_on(facet, where, spread));
-  if (!(sum > 0)) cumulative_.clear();
+  for (const Facet& facet : interior.tree().facets()) light_.push_back(light_on(facet, where, spread));
+  sums_ = interior.tree().node_sums(light_);
+  if (!(sums_.front() > 0)) light_.clear();
 }
 
-LightChain LightChains::draw(const Lamp& lamp, RandomStream& random, RayCounts& rays, ChainCounts& counts) const {
+LightChain LightChains::draw(const Lamp& lamp, const glm::dvec3& near, RandomStream& random, RayCounts& rays,
+                             ChainCounts& counts) const {
   LightChain chain;
-  if (cumulative_.empty()) return chain;
-  const double xi = random() * cumulative_.back();
-  const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, xi);
-  chain.entry = static_cast<std::uint32_t>(found - cumulative_.begin());
-  chain.entry_probability = (*found - (chain.entry ? *(found - 1) : 0.0)) / cumulative_.back();
+  if (light_.empty()) return chain;
+  const FacetTree::Drawn drawn = interior_->tree().draw(light_, sums_, near, scale_, random());
+  chain.entry = drawn.facet;
+  chain.entry_probability = drawn.probability;
   const Facet& entry = interior_->facet(chain.entry);
   glm::dvec3 point = uniform_point(entry, random);
   auto direction = entering(entry, point, lamp.where, interior_->eta());

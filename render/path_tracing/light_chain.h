@@ -3,10 +3,10 @@
 //
 // A chain is a facet where light enters and the facets that then reflect it, in order. Mirror images straighten it: a
 // point inside sees the light through a chain along at most one ray, and a test decides. Chains are too many to test
-// all, so one is drawn: a facet by its share of light, a point on it, and the facets that the ray from there meets.
-// Every point of a path is tested against all beginnings of the chain, and what it finds is divided by the
-// probability of the chain. That one has a known part (the facet, going on after each reflection) and an unknown one:
-// the share q of the facet's area from which the ray meets this chain. 1/q is the mean number of draws until that
+// all, so one is drawn: a facet by its light and its distance from the path, a point on it, and the facets that the ray
+// from there meets. Every point of a path is tested against all beginnings of the chain, and what it finds is divided
+// by the probability of the chain. That one has a known part (the facet, going on after each reflection) and an unknown
+// one: the share q of the facet's area from which the ray meets this chain. 1/q is the mean number of draws until that
 // happens again, so the number of draws of one such trial takes its place, without bias (as Booth 2007 and Zeltner,
 // Georgiev & Jakob 2020 do).
 #pragma once
@@ -41,13 +41,15 @@ struct ChainLight {
 class LightChains {
  public:
   /// No chains: for an environment, whose light is found by paths that leave.
-  explicit LightChains(const Interior& interior) : interior_(&interior), going_on_(0) {}
+  explicit LightChains(const Interior& interior) : interior_(&interior) {}
   /// For one light that isn't an environment. `extinction`: the smallest of the medium; it only guides how long
   /// chains get.
   LightChains(const Interior& interior, const PathLights& lights, std::size_t light, double extinction);
 
   /// Empty (no mirrors) where there is none, as at eta = 1.
-  LightChain draw(const Lamp& lamp, RandomStream& random, RayCounts& rays, ChainCounts& counts) const;
+  /// `near`: where the path is about; chains that start there are drawn more often.
+  LightChain draw(const Lamp& lamp, const glm::dvec3& near, RandomStream& random, RayCounts& rays,
+                  ChainCounts& counts) const;
 
   /// Calls visit(ChainLight) for each beginning of the chain through which y sees the lamp.
   template <typename Visit>
@@ -74,8 +76,8 @@ class LightChains {
              RayCounts& rays) const;
 
   const Interior* interior_;
-  std::vector<double> cumulative_;  // over facets, by an estimate of their light; empty if there is none
-  double going_on_;
+  std::vector<double> light_, sums_;  // per facet an estimate of its light, per node of the tree; empty if none
+  double going_on_ = 0, scale_ = 0;
 };
 
 }  // namespace opaline

@@ -40,17 +40,17 @@ Rgb MediumWalk::radiance(const glm::dvec3& point, std::uint32_t facet, const glm
   const auto u = direction_inside(w_o, normal, eta_);
   if (!u) return Rgb(0);
   ++counts_.walks;
-  light_lamps();
+  light_lamps(point);
   State state{point, -*u, PathWeights(medium_.channels, lead)};
   return fresnel_transmittance(std::min(cosine, 1.0), eta_) / (eta_ * eta_) * walk(state);
 }
 
-void MediumWalk::light_lamps() {
+void MediumWalk::light_lamps(const glm::dvec3& point) {
   lamps_.resize(lights_.size());
   for (std::size_t i = 0; i < lights_.size(); ++i) {
     if (lights_.is_environment(i)) continue;
     lamps_[i].lamp = lights_.lamp(i, random_);
-    lamps_[i].chain = medium_.chains[i].draw(lamps_[i].lamp, random_, counts_.rays, counts_.chain);
+    lamps_[i].chain = medium_.chains[i].draw(lamps_[i].lamp, point, random_, counts_.rays, counts_.chain);
   }
 }
 

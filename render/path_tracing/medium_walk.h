@@ -50,7 +50,7 @@ class MediumWalk {
     LightChain chain;
   };
 
-  void light_lamps();
+  void light_lamps(const glm::dvec3& point);
   Rgb walk(State& state);
   Rgb scattered_light(const State& state);
   Rgb refracted_light(const State& state, std::size_t light, const Lamp& lamp);

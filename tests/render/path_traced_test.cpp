@@ -194,8 +194,8 @@ TEST(PathTraced, AWhiteObjectInAWhiteRoomIsInvisible) {
   for (const auto& [name, mesh] : {std::pair{"sphere", make_sphere(1, 80)}, {"box", make_slab({1.6, 1.4, 0.7}, 40)}}) {
     SCOPED_TRACE(name);
     for (const int channel : {0, 2}) expect_equal(furnace(mesh, coloured, 64, channel), 1);
-    expect_equal(furnace(mesh, medium(1, 0, 1.5, 0.4), 24, 1), 1);
-    expect_equal(furnace(mesh, medium(1, -0.5, 0.75, 2), 24, 1), 1);
+    expect_equal(furnace(mesh, medium(1, 0, 1.5, 0.4), 48, 1), 1);
+    expect_equal(furnace(mesh, medium(1, -0.5, 0.75, 2), 48, 1), 1);
   }
 }
 

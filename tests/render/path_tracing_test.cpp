@@ -8,6 +8,8 @@
 
 #include <gmock/gmock.h>
 
+#include <map>
+#include <numeric>
 #include <set>
 
 namespace opaline {
@@ -107,6 +109,33 @@ TEST(FacetTree, FindsExactlyTheFacetsThatATestOfAllFinds) {
   }
   EXPECT_GT(found, 200u);
   EXPECT_LT(counts.facets, facets / 4) << "of which a quarter of the calls, eta < 1, tests every lit facet";
+}
+
+TEST(FacetTree, DrawsWithTheProbabilityItStates) {
+  const FacetTree tree(facets_of(make_sphere(3, 80)));
+  RandomStream random{8};
+  std::vector<double> values(tree.facets().size());
+  for (double& v : values) v = random() < 0.3 ? 0 : random();
+  const std::vector<double> sums = tree.node_sums(values);
+  EXPECT_NEAR(sums[0], std::accumulate(values.begin(), values.end(), 0.0), 1e-12);
+  std::map<std::uint32_t, std::pair<int, double>> drawn;
+  constexpr int n = 40000;
+  for (int i = 0; i < n; ++i) {
+    const FacetTree::Drawn d = tree.draw(values, sums, {3, 0, 0}, 0.5, random());
+    EXPECT_GT(values[d.facet], 0);
+    auto& [count, probability] = drawn[d.facet];
+    EXPECT_DOUBLE_EQ(count ? probability : d.probability, d.probability);
+    ++count;
+    probability = d.probability;
+  }
+  double sum = 0, chi_squared = 0;
+  for (const auto& [facet, entry] : drawn) {
+    sum += entry.second;
+    chi_squared += std::pow(entry.first - n * entry.second, 2) / (n * entry.second);
+  }
+  EXPECT_NEAR(sum, 1, 1e-3) << "all but the least probable were drawn";
+  const auto degrees = static_cast<double>(drawn.size());
+  EXPECT_LT(std::abs(chi_squared - degrees) / std::sqrt(2 * degrees), 4);
 }
 
 // --- meshes -----------------------------------------------------------------------------------------

@@ -42,5 +42,7 @@ Scene bench_scene(const SceneChoice& choice);
 
 std::vector<Figure> render_figures(const SceneChoice& choice);
 std::vector<Figure> fit_figures(const SceneChoice& choice);
+/// Of the same object at 64 x 64 pixels, and of a sphere as high.
+std::vector<Figure> path_figures(const SceneChoice& choice);
 
 }  // namespace opaline::bench
