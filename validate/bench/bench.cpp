@@ -24,7 +24,7 @@ void run_kernels() {
 int run(int argc, char** argv) {
   SceneChoice choice;
   ModelChoice model_choice;
-  bool kernels = true, model = true, render = true, fit = true;
+  bool kernels = true, model = true, render = true, paths = true, fit = true;
   CLI::App app("Opaline's benchmark: figures reached beside figures asked", "opaline_bench");
   app.add_option("--mesh", choice.mesh, "Mesh file instead of the synthetic bust");
   app.add_option("--height", choice.height, "Of the object [mm]")->check(CLI::PositiveNumber)->capture_default_str();
@@ -43,6 +43,7 @@ int run(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("!--no-model", model, "Leave out sampling and Monte-Carlo");
   app.add_flag("!--no-render", render, "Leave out the renderer");
+  app.add_flag("!--no-paths", paths, "Leave out the path tracer");
   app.add_flag("!--no-fit", fit, "Leave out the fit");
   CLI11_PARSE(app, argc, argv);
   fmt::print("{}\n", machine());
@@ -55,6 +56,7 @@ int run(int argc, char** argv) {
       fmt::format("{} of {}, {} mm high, {} x {} pixels, {} cells", choice.mesh.empty() ? "bust" : choice.mesh,
                   choice.material, choice.height, choice.film, choice.film, choice.samples);
   if (render) print_figures("Renderer: " + title, render_figures(choice));
+  if (paths) print_figures("Transport at 64 x 64 pixels: " + title, path_figures(choice));
   if (fit) print_figures("Fit: " + title, fit_figures(choice));
   return 0;
 }

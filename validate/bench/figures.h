@@ -51,5 +51,7 @@ std::vector<Figure> model_figures(const ModelChoice& choice);
 
 std::vector<Figure> render_figures(const SceneChoice& choice);
 std::vector<Figure> fit_figures(const SceneChoice& choice);
+/// Of the same object at 64 x 64 pixels, and of a sphere as high.
+std::vector<Figure> path_figures(const SceneChoice& choice);
 
 }  // namespace opaline::bench
