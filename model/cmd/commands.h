@@ -7,7 +7,8 @@
 
 namespace opaline {
 
-/// Adds `profile`: R_d(r) of one model and material on stdout, as CSV or JSON.
+/// Adds `profile`: R_d(r) of one model and material, or of several to compare, on stdout as CSV or JSON; and
+/// `profile list`: what there is, what it needs and where it holds.
 void add_profile_command(CLI::App& app);
 
 /// Adds `material list` and `material show NAME`.

@@ -17,7 +17,8 @@
 //
 // Limits of the model, not of the algebra: each layer is lit as if by a collimated normal beam, also from between
 // layers, so a slab cut in two is not the slab; a layer thinner than its mean free path has no diffuse light (slab.h).
-// A boundary's Fresnel reflection acts on the diffuse light inside both its layers, by A of fresnel.h.
+// A boundary's Fresnel reflection acts on the diffuse light scattered in the layers that touch it, by A of fresnel.h: a
+// layer too thin to scatter does not pass it on.
 //
 // Templated on the scalar C of k^2 (real or Complex, for the inversion) over T; units: conventions.h.
 #pragma once

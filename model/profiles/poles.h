@@ -16,33 +16,22 @@
 
 namespace opaline {
 
-/// (1 + y) exp(-y) with y = sqrt(t), t >= 0. Smooth in t to first order (derivative -exp(-y)/2), but
-/// the derivative of sqrt is infinite at 0: a dual number (ceres::Jet: value `a`, gradient `v`) gets
-/// the closed form, so that gradients stay exact down to sigma_a = 0. 0 beyond y = 1e4.
+/// exp(-y) counts as 0 beyond.
 template <typename T>
-T screening(const T& t) {
-  using std::exp;
-  using std::sqrt;
-  if constexpr (requires {
-                  t.a;
-                  t.v;
-                }) {
-    const auto y = sqrt(t.a);
-    return y < 1e4 ? T(screening(t.a), t.v * (-0.5 * exp(-y))) : T(0.0);
-  } else {
-    const T y = sqrt(t);
-    return y < 1e4 ? T((1.0 + y) * exp(-y)) : T(0.0);
-  }
+constexpr double largest_exponent = 1e4;
+
+template <typename T>
+T choose(bool condition, const T& a, const T& b) {
+  return condition ? a : b;
 }
 
-/// P as a function of q = r^2 and sigma^2: no square root of an argument, so smooth in both.
 template <typename T>
-T pole_evaluate_squared(const T& q, const T& z, const T& sigma_squared) {
+T inverse_sqrt(const T& x) {
   using std::sqrt;
-  const T d_squared = q + z * z;
-  // In this order neither d^3 nor its derivatives overflow.
-  return screening(T(sigma_squared * d_squared)) * (z / sqrt(d_squared)) / (2.0 * pi * d_squared);
+  return 1.0 / sqrt(x);
 }
+
+#include "model/profiles/pole_formula.inl"
 
 /// 2 pi int_0^r P s ds = exp(-sigma z) - (z/d) exp(-sigma d), written with h = d - z so that every
 /// term is positive: full relative accuracy down to r = 0.
@@ -58,8 +47,9 @@ T pole_cumulative(const T& r, const T& z, const T& sigma) {
 
 /// The distance r with pole_cumulative(r) = xi exp(-sigma z), xi in [0, 1): solve
 /// sigma z w + log(1 + w) = -log(1 - xi) for w = d/z - 1 >= 0. Relative error below 1e-14 for xi up
-/// to 1 - 2^-53 and sigma z from 0 to 1e300, as long as xi/(1 + sigma z) > 1e-300.
-inline double sample_pole(double z, double sigma, double xi) {
+/// to 1 - 2^-53 and sigma z from 0 to 1e300, as long as xi/(1 + sigma z) > 1e-300. At most 8 steps, which are added to
+/// *steps.
+inline double sample_pole(double z, double sigma, double xi, int* steps = nullptr) {
   const double target = -std::log1p(-xi);
   if (!(target > 0)) return 0;
   // In v = log(1 + w) the equation c expm1(v) + v = target is increasing and convex, and both bounds
@@ -71,6 +61,7 @@ inline double sample_pole(double z, double sigma, double xi) {
     const double w = std::expm1(v);
     const double step = (c * w + (v - target)) / (c * w + c + 1);
     v -= step;
+    if (steps) ++*steps;
     if (std::abs(step) <= 1e-9 * v) break;  // quadratic: the next step is below the rounding
   }
   const double w = std::expm1(v);
@@ -79,11 +70,11 @@ inline double sample_pole(double z, double sigma, double xi) {
 
 /// Sampling of the sum of two poles at depths z_near <= z_far: one of them, chosen by its share of the flux,
 /// reusing xi. (Not the inverse of the summed cumulative: the result isn't monotone in xi.)
-inline double sample_pole_pair(double z_near, double z_far, double sigma, double xi) {
+inline double sample_pole_pair(double z_near, double z_far, double sigma, double xi, int* steps = nullptr) {
   constexpr double below_one = 1 - 0x1p-53;
   const double share = 1 / (1 + std::exp(-sigma * (z_far - z_near)));
-  if (xi < share) return sample_pole(z_near, sigma, std::min(xi / share, below_one));
-  return sample_pole(z_far, sigma, std::min((xi - share) / (1 - share), below_one));
+  if (xi < share) return sample_pole(z_near, sigma, std::min(xi / share, below_one), steps);
+  return sample_pole(z_far, sigma, std::min((xi - share) / (1 - share), below_one), steps);
 }
 
 }  // namespace opaline

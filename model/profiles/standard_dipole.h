@@ -40,10 +40,7 @@ struct StandardDipole {
   T evaluate(const T& r) const { return evaluate_squared(T(r * r)); }
 
   /// R_d as a function of q = r^2 [mm^2]: smooth at q = 0.
-  T evaluate_squared(const T& q) const {
-    return 0.5 * alpha_prime *
-           (pole_evaluate_squared(q, z_r, sigma_tr_squared) + pole_evaluate_squared(q, z_v, sigma_tr_squared));
-  }
+  T evaluate_squared(const T& q) const { return dipole_evaluate_squared(q, alpha_prime, z_r, z_v, sigma_tr_squared); }
 
   /// 2 pi int_0^inf R_d r dr.
   T total() const {

@@ -18,7 +18,7 @@ namespace opaline {
 
 struct StressOptions {
   std::uint64_t count = 100000;  ///< random inputs in double per function, for the invalid values
-  std::uint64_t points = 1500;   ///< random inputs in 100 digits per function; beside them every combination of corners
+  std::uint64_t points = 1500;   ///< random inputs in 100 digits per function; beside them the combinations of corners
   std::uint64_t seed = 1;        ///< same seed, same result, for any number of threads
   int threads = 0;               ///< 0: one per processor
   std::string only;              ///< functions whose name contains this; empty: all

@@ -1,6 +1,7 @@
 #include "render/irradiance/profile_gather.h"
 
 #include "model/check.h"
+#include "render/irradiance/all_pairs.h"
 
 #include <cmath>
 
@@ -188,7 +189,8 @@ std::vector<glm::vec3> gather_exitance(const ClusterTree& tree, const SurfaceCel
                                    clusters,
                                    profiles.core_radius() * profiles.core_radius(),
                                    dark_level(tree)};
-    counts = run(tree, cells, profiles, points, criterion, 64, sums);
+    counts = clusters ? run(tree, cells, profiles, points, criterion, 64, sums)
+                      : sum_all_pairs(tree, cells, profiles.sum(), points, criterion, sums);
   }
   count(counts, tree, profiles, points.size(), counters);
   std::vector<glm::vec3> exitance(points.size());

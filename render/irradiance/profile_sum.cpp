@@ -31,7 +31,8 @@ struct Sum {
   static constexpr D d{};
   const Lookup& lookup;
   const PatchList& patches;
-  const float* weight;
+  const float* weight;                        // of every patch, or null
+  const std::vector<std::uint32_t>* skipped;  // of every query, or null
   typename Lookup::Table tables[3];
 
   template <bool Moments>
@@ -55,11 +56,25 @@ struct Sum {
     lookup.values(tables, places, value);
   }
 
-  HWY_INLINE V weighted(V flux, std::size_t i) const { return weight ? hn::Mul(flux, hn::LoadU(d, weight + i)) : flux; }
+  static HWY_INLINE V weighted(V flux, const float* weights, std::size_t i) {
+    return weights ? hn::Mul(flux, hn::LoadU(d, weights + i)) : flux;
+  }
+
+  /// The weights of a block for a query whose next skipped patch is `next`; null if all are 1.
+  HWY_INLINE const float* block_weights(std::size_t begin, std::size_t count, std::size_t query, std::size_t& next,
+                                        float* buffer) const {
+    if (weight) return weight + begin;
+    if (!skipped || next == skipped[query].size() || skipped[query][next] >= begin + count) return nullptr;
+    std::fill_n(buffer, block, 1.0f);
+    for (; next < skipped[query].size() && skipped[query][next] < begin + count; ++next)
+      buffer[skipped[query][next] - begin] = 0;
+    return buffer;
+  }
 
   /// Flux of one channel, any number of tables.
   template <int Tables>
-  HWY_INLINE void add_single(std::size_t begin, std::size_t count, const glm::vec3& position, double* total) const {
+  HWY_INLINE void add_single(std::size_t begin, std::size_t count, const glm::vec3& position, const float* weights,
+                             double* total) const {
     Points p;
     find_points<false>(begin, count, position, p);
     V sum[Tables];
@@ -67,14 +82,15 @@ struct Sum {
     for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
       V value[2][Tables];
       look_up(p, i, value);
-      const V mass = weighted(hn::LoadU(d, patches.mass() + begin + i), begin + i);
+      const V mass = weighted(hn::LoadU(d, patches.mass() + begin + i), weights, i);
       for (int t = 0; t < Tables; ++t) sum[t] = hn::MulAdd(mass, hn::Add(value[0][t], value[1][t]), sum[t]);
     }
     for (int t = 0; t < Tables; ++t) total[t] += 0.5 * static_cast<double>(hn::GetLane(hn::SumOfLanes(d, sum[t])));
   }
 
   /// Three flux channels: each moves flux between the two points by its own first moment.
-  HWY_INLINE void add_coloured(std::size_t begin, std::size_t count, const glm::vec3& position, double* total) const {
+  HWY_INLINE void add_coloured(std::size_t begin, std::size_t count, const glm::vec3& position, const float* weights,
+                               double* total) const {
     Points p;
     find_points<true>(begin, count, position, p);
     V sum[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
@@ -93,7 +109,7 @@ struct Sum {
         const V along = hn::MulAdd(dx, px[c], hn::MulAdd(dy, py[c], hn::Mul(dz, pz[c])));
         V term = hn::Mul(hn::Mul(hn::Set(d, 0.5f), mass[c]), hn::Add(near, far));
         term = hn::MulAdd(hn::Mul(along, per_spread), hn::Sub(near, far), term);
-        sum[c] = hn::Add(sum[c], weighted(term, begin + i));
+        sum[c] = hn::Add(sum[c], weighted(term, weights, i));
       }
     }
     for (int c = 0; c < 3; ++c) total[c] += static_cast<double>(hn::GetLane(hn::SumOfLanes(d, sum[c])));
@@ -104,13 +120,18 @@ struct Sum {
   HWY_INLINE void for_blocks(std::span<const glm::vec3> positions, std::array<float, 3>* sums,
                              AddBlock add_block) const {
     constexpr std::size_t queries = 64;
+    HWY_ALIGN float buffer[block];
     for (std::size_t first = 0; first < positions.size(); first += queries) {
-      const std::size_t count = std::min(queries, positions.size() - first);
+      const std::size_t together = std::min(queries, positions.size() - first);
       double total[queries][3] = {};
-      for (std::size_t begin = 0; begin < patches.size(); begin += block)
-        for (std::size_t q = 0; q < count; ++q)
-          add_block(begin, std::min(block, patches.size() - begin), positions[first + q], total[q]);
-      for (std::size_t q = 0; q < count; ++q)
+      std::size_t next[queries] = {};
+      for (std::size_t begin = 0; begin < patches.size(); begin += block) {
+        const std::size_t count = std::min(block, patches.size() - begin);
+        for (std::size_t q = 0; q < together; ++q)
+          add_block(begin, count, positions[first + q], block_weights(begin, count, first + q, next[q], buffer),
+                    total[q]);
+      }
+      for (std::size_t q = 0; q < together; ++q)
         for (std::size_t c = 0; c < 3; ++c) sums[first + q][c] += static_cast<float>(total[q][c]);
     }
   }
@@ -118,23 +139,25 @@ struct Sum {
 
 template <int Tables, class Lookup>
 HWY_NOINLINE void sum_single(const Sum<Lookup>& sum, std::span<const glm::vec3> positions, std::array<float, 3>* sums) {
-  sum.for_blocks(positions, sums,
-                 [&](std::size_t begin, std::size_t count, const glm::vec3& position, double* total)
-                     HWY_ATTR { sum.template add_single<Tables>(begin, count, position, total); });
+  sum.for_blocks(
+      positions, sums,
+      [&](std::size_t begin, std::size_t count, const glm::vec3& position, const float* weights, double* total)
+          HWY_ATTR { sum.template add_single<Tables>(begin, count, position, weights, total); });
 }
 
 template <class Lookup>
 HWY_NOINLINE void sum_coloured(const Sum<Lookup>& sum, std::span<const glm::vec3> positions,
                                std::array<float, 3>* sums) {
   sum.for_blocks(positions, sums,
-                 [&](std::size_t begin, std::size_t count, const glm::vec3& position, double* total)
-                     HWY_ATTR { sum.add_coloured(begin, count, position, total); });
+                 [&](std::size_t begin, std::size_t count, const glm::vec3& position, const float* weights,
+                     double* total) HWY_ATTR { sum.add_coloured(begin, count, position, weights, total); });
 }
 
 void add_profile_sums(const ProfileSum& profile, const PatchList& patches, const float* weight,
-                      std::span<const glm::vec3> positions, std::array<float, 3>* sums) {
+                      const std::vector<std::uint32_t>* skipped, std::span<const glm::vec3> positions,
+                      std::array<float, 3>* sums) {
   with_lookup(profile.tables, profile.table_count, [&]<class Lookup>(const Lookup& lookup) HWY_ATTR {
-    Sum<Lookup> sum{lookup, patches, weight, {}};
+    Sum<Lookup> sum{lookup, patches, weight, skipped, {}};
     const bool coloured = patches.masses() == 3;
     for (int i = 0; i < (coloured ? 3 : profile.table_count); ++i) {
       const int t = coloured ? profile.table_of[i] : i;
@@ -157,7 +180,12 @@ HWY_EXPORT(add_profile_sums);
 
 void add_profile_sums(const ProfileSum& profile, const PatchList& patches, const float* weight,
                       std::span<const glm::vec3> positions, std::array<float, 3>* sums) {
-  HWY_DYNAMIC_DISPATCH(add_profile_sums)(profile, patches, weight, positions, sums);
+  HWY_DYNAMIC_DISPATCH(add_profile_sums)(profile, patches, weight, nullptr, positions, sums);
+}
+
+void add_profile_sums(const ProfileSum& profile, const PatchList& patches, std::span<const glm::vec3> positions,
+                      const std::vector<std::uint32_t>* skipped, std::array<float, 3>* sums) {
+  HWY_DYNAMIC_DISPATCH(add_profile_sums)(profile, patches, nullptr, skipped, positions, sums);
 }
 
 }  // namespace opaline

@@ -25,6 +25,10 @@ struct ProfileSum {
 void add_profile_sums(const ProfileSum& profile, const PatchList& patches, const float* weight,
                       std::span<const glm::vec3> positions, std::array<float, 3>* sums);
 
+/// The same without weights, query q leaving out the patches skipped[q], which ascend.
+void add_profile_sums(const ProfileSum& profile, const PatchList& patches, std::span<const glm::vec3> positions,
+                      const std::vector<std::uint32_t>* skipped, std::array<float, 3>* sums);
+
 /// The same for one query.
 inline void add_profile_sum(const ProfileSum& profile, const PatchList& patches, const float* weight,
                             const glm::vec3& position, float* sums) {

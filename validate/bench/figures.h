@@ -40,7 +40,18 @@ struct SceneChoice {
 /// The object centred, side-lit by one white directional light, filling most of the film.
 Scene bench_scene(const SceneChoice& choice);
 
+/// Inner loops on one core, for every vector target of the processor.
+std::vector<Figure> kernel_figures();
+
+struct ModelChoice {
+  std::uint64_t samples = 10000000;  ///< per sampler
+  std::uint64_t walks = 20000000;    ///< per row of the transport check; 1e8 brings its standard errors below 1e-4
+};
+std::vector<Figure> model_figures(const ModelChoice& choice);
+
 std::vector<Figure> render_figures(const SceneChoice& choice);
 std::vector<Figure> fit_figures(const SceneChoice& choice);
+/// Of the same object at 64 x 64 pixels, and of a sphere as high.
+std::vector<Figure> path_figures(const SceneChoice& choice);
 
 }  // namespace opaline::bench

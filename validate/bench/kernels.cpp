@@ -88,6 +88,8 @@ void bench_profile_sum(benchmark::State& state, const std::string& target) {
 
 }  // namespace
 
+double run_fma_peak(float* sink) { return HWY_DYNAMIC_DISPATCH(fma_peak)(sink); }
+
 void register_kernels() {
   for (const std::string& target : simd_targets()) {
     benchmark::RegisterBenchmark(("fma_peak/" + target).c_str(), bench_fma, target);
