@@ -16,7 +16,7 @@
 //
 // Error against the solver, measured at albedos and etas between the nodes: below 4e-4 from rho = 0.03 to 100 until
 // what lies beyond is 1e-6 of the total (typically 5e-5), 3.5e-4 from 0.01; a tail further out is right in its
-// exponent, and in its height until 0.7 of the radius above. Totals: within 2e-5 of h_function.h, 7e-5 at alpha' = 1,
+// exponent, and in its height until 0.7 of the radius above. Totals: within 2e-5 of h_function.h, 8e-5 at alpha' = 1,
 // never above 1.
 //
 // The axis: R_1 grows like 1/rho. With rho~ = sqrt(rho^2 + c^2), c = 2.5e-4, the profile is R(rho~) plus a term

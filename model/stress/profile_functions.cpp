@@ -4,6 +4,7 @@
 #include "model/profiles/extended_source.h"
 #include "model/profiles/normalised_diffusion.h"
 #include "model/profiles/standard_dipole.h"
+#include "model/profiles/transport_table.h"
 #include "model/stress/function.h"
 
 namespace opaline {
@@ -97,6 +98,8 @@ void add_profile_functions(std::vector<StressFunction>& rows) {
       with_cost(total_row<ExtendedSource>("extended_source", medium_domain(eta_low, eta_high), loose_limit), 8));
   rows.push_back(
       with_cost(evaluate_row<PhotonBeamDiffusion>("photon_beam_diffusion", medium_and_radius(), loose_limit), 8));
+  const Domain table = medium_and_radius(TransportTableShape::eta_min, TransportTableShape::eta_max);
+  rows.push_back(with_cost(evaluate_row<TransportTable>("transport_table", scattering(table), loose_limit), 64));
 }
 
 }  // namespace opaline
