@@ -165,7 +165,8 @@ TEST_F(Cli, APathTracedPictureHasAVarianceLayerAndCompares) {
   EXPECT_EQ(run("compare a.exr b.exr --max-rmse 0").status, 0);
   ASSERT_EQ(run(trace + "c.exr --seed 4").status, 0);
   EXPECT_EQ(run("compare c.exr b.exr --max-rmse 0").status, 1);
-  expect_wrong(trace + "a.exr --set paths=1.5", {"paths", "1.5", "whole number"});
+  expect_wrong("render scene.json --technique path_traced --out a.exr --set paths=1.5",
+               {"paths", "1.5", "whole number"});
   folder_.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n");
   json open = test::valid_document();
   open["objects"] = {{{"mesh", "open.obj"}, {"material", "m1"}}};
