@@ -149,6 +149,32 @@ TEST_F(Cli, RendersWithStats) {
   EXPECT_GE(stats.at("seconds").at("total"), sum);
 }
 
+TEST_F(Cli, APathTracedPictureHasAVarianceLayerAndCompares) {
+  const std::string trace = "render scene.json --technique path_traced --set paths=4 --out ";
+  const Ending e = run(trace + "a.exr --png a.png --stats s.json --seed 3");
+  ASSERT_EQ(e.status, 0) << e.err;
+  const Image image = read_image(folder_.file("a.exr"));
+  const int variance = image.channel("variance.G");
+  ASSERT_GE(variance, 0);
+  EXPECT_GT(image.at(8, 8, image.channel("G")), 0);
+  EXPECT_GT(image.at(8, 8, variance), 0);
+  EXPECT_EQ(image.at(0, 0, variance), 0);
+  const json stats = json::parse(content(folder_.file("s.json")));
+  EXPECT_EQ(stats.at("settings").at("paths"), 4);
+  EXPECT_GT(stats.at("counters").at("done").at("scatterings"), 0);
+  ASSERT_EQ(run(trace + "b.exr --seed 3 --threads 1").status, 0);
+  EXPECT_EQ(run("compare a.exr b.exr --max-rmse 0").status, 0);
+  ASSERT_EQ(run(trace + "c.exr --seed 4").status, 0);
+  EXPECT_EQ(run("compare c.exr b.exr --max-rmse 0").status, 1);
+  expect_wrong("render scene.json --technique path_traced --out a.exr --set paths=1.5",
+               {"paths", "1.5", "whole number"});
+  folder_.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n");
+  json open = test::valid_document();
+  open["objects"] = {{{"mesh", "open.obj"}, {"material", "m1"}}};
+  folder_.write("open.json", open.dump());
+  expect_wrong("render open.json --technique path_traced --out a.exr", {"open.json", "not closed"});
+}
+
 TEST_F(Cli, ThreadsDoNotChangeAPixelAndExitLobesDifferByAConstant) {
   ASSERT_EQ(run(std::string(fast_render) + "one.exr --threads 1").status, 0);
   ASSERT_EQ(run(std::string(fast_render) + "two.exr --threads 2").status, 0);

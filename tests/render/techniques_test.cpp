@@ -129,7 +129,8 @@ TEST_P(EveryTechnique, ATechniqueWithoutLightIsBlack) {
   Scene scene = small_sphere();
   scene.lights = {PointLight{{0, 0, 50}, Rgb(0)}};
   const SharedScene shared(scene, few_samples());
-  for (const glm::vec3& b : values(render(technique(), shared, quick(technique())))) EXPECT_EQ(b, glm::vec3(0));
+  const Frame frame = render(technique(), shared, quick(technique()));
+  for (const glm::vec3& b : values(frame)) EXPECT_EQ(b, glm::vec3(0));
 }
 
 INSTANTIATE_TEST_SUITE_P(Registry, EveryTechnique, testing::ValuesIn(names()),
