@@ -56,26 +56,37 @@ T pole_cumulative(const T& r, const T& z, const T& sigma) {
   return exp(-sigma * z) * (h - z * expm1(-sigma * h)) / d;
 }
 
-/// The distance r with pole_cumulative(r) = xi exp(-sigma z), xi in [0, 1): solve
-/// sigma z w + log(1 + w) = -log(1 - xi) for w = d/z - 1 >= 0. Relative error below 1e-14 for xi up
-/// to 1 - 2^-53 and sigma z from 0 to 1e300, as long as xi/(1 + sigma z) > 1e-300.
-inline double sample_pole(double z, double sigma, double xi) {
+/// A distance and the steps its solve took.
+struct PoleSample {
+  double r;
+  int steps;
+};
+
+/// As sample_pole.
+inline PoleSample sample_pole_counted(double z, double sigma, double xi) {
   const double target = -std::log1p(-xi);
-  if (!(target > 0)) return 0;
+  if (!(target > 0)) return {0, 0};
   // In v = log(1 + w) the equation c expm1(v) + v = target is increasing and convex, and both bounds
   // below lie right of the root: Newton descends monotonically and keeps full relative accuracy for
   // small xi (w ~ v) and for large.
   const double c = sigma * z;
   double v = std::min(target, std::log1p(target / c));
-  for (int i = 0; i < 8; ++i) {
+  int steps = 0;
+  while (steps < 8) {
     const double w = std::expm1(v);
     const double step = (c * w + (v - target)) / (c * w + c + 1);
     v -= step;
+    ++steps;
     if (std::abs(step) <= 1e-9 * v) break;  // quadratic: the next step is below the rounding
   }
   const double w = std::expm1(v);
-  return z * std::sqrt(w * (w + 2));
+  return {z * std::sqrt(w * (w + 2)), steps};
 }
+
+/// The distance r with pole_cumulative(r) = xi exp(-sigma z), xi in [0, 1): solve
+/// sigma z w + log(1 + w) = -log(1 - xi) for w = d/z - 1 >= 0, in at most 8 steps. Relative error below 1e-14 for xi up
+/// to 1 - 2^-53 and sigma z from 0 to 1e300, as long as xi/(1 + sigma z) > 1e-300.
+inline double sample_pole(double z, double sigma, double xi) { return sample_pole_counted(z, sigma, xi).r; }
 
 /// Sampling of the sum of two poles at depths z_near <= z_far: one of them, chosen by its share of the flux,
 /// reusing xi. (Not the inverse of the summed cumulative: the result isn't monotone in xi.)

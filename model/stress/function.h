@@ -41,6 +41,8 @@ struct StressFunction {
   double (*gradient_scale)(const Input& inputs, std::size_t i) = nullptr;
   bool non_negative = true;
   std::optional<Monotone> monotone = std::nullopt;
+  bool single_precision =
+      false;               ///< the value is a float: its error and `limit` count in units of a float's last place
   std::uint64_t cost = 1;  ///< divides the number of points, and of corners, in 100 digits
 };
 
@@ -108,6 +110,7 @@ Axis eta_axis(double low, double high);  ///< with 1, 1 +- 1e-9, 0.5 and 3
 void add_fresnel_functions(std::vector<StressFunction>& rows);
 void add_profile_functions(std::vector<StressFunction>& rows);
 void add_slab_functions(std::vector<StressFunction>& rows);
+void add_single_scattering_functions(std::vector<StressFunction>& rows);
 void add_sampling_functions(std::vector<StressFunction>& rows);
 void add_registry_functions(std::vector<StressFunction>& rows);
 

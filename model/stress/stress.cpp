@@ -11,6 +11,8 @@ namespace opaline {
 namespace {
 
 constexpr double dark = 1e-280;            // below, intermediate results lose digits to gradual underflow
+constexpr double float_dark = 1e-36;       // the same of floats
+constexpr double float_units = 0x1p29;     // units in the last place of a double in one of a float
 constexpr double monotone_margin = 1e-12;  // relative, times 1 + condition: what rounding may do to two neighbours
 
 std::vector<double> used_inputs(const StressFunction& row, const Input& input) {
@@ -54,12 +56,13 @@ bool check_value(double value, StressResult& result, const StressFunction& row, 
 
 void compare(double value, const Exact& exact, StressResult& result, const StressFunction& row, const Input& input) {
   ++result.points;
-  if (exact.size != 0 && exact.size < dark) {
+  const double least = row.single_precision ? float_dark : dark;
+  if (exact.size != 0 && exact.size < least) {
     ++result.dark;
-    if (std::abs(value) > 2 * dark) keep_worst(result.scaled, HUGE_VAL, exact.condition, row, input);
+    if (std::abs(value) > 2 * least) keep_worst(result.scaled, HUGE_VAL, exact.condition, row, input);
     return;
   }
-  const double error = ulp_error(value, exact);
+  const double error = ulp_error(value, exact) / (row.single_precision ? float_units : 1);
   keep_worst(result.plain, error, exact.condition, row, input);
   keep_worst(result.scaled, error / (1 + exact.condition), exact.condition, row, input);
 }
@@ -79,7 +82,8 @@ Input further(const StressFunction& row, Input axis_values, double factor) {
 
 /// Where a drop is small its excuse may be the condition, which only the reference knows.
 double margin_at(const StressFunction& row, const Input& input) {
-  return monotone_margin * (row.reference ? 1 + exact_value(row, input).condition : 1);
+  return monotone_margin * (row.single_precision ? float_units : 1) *
+         (row.reference ? 1 + exact_value(row, input).condition : 1);
 }
 
 void check_monotone(double value, const Input& axis_values, double factor, StressResult& result,
@@ -88,7 +92,7 @@ void check_monotone(double value, const Input& axis_values, double factor, Stres
   if (!row.domain.contains(there)) return;
   const double change = row.value(there.data()) - value, wrong = row.monotone->rising ? -change : change;
   const double size = std::abs(value);
-  if (wrong <= monotone_margin * size || size < dark) return;
+  if (wrong <= monotone_margin * size || size < (row.single_precision ? float_dark : dark)) return;
   if (wrong > margin_at(row, here) * size) count_invalid(result.not_monotone, result, row, here);
 }
 

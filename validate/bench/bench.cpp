@@ -23,7 +23,8 @@ void run_kernels() {
 
 int run(int argc, char** argv) {
   SceneChoice choice;
-  bool kernels = true, render = true, fit = true;
+  bool kernels = true, samplers = true, render = true, fit = true;
+  std::size_t draws = 10000000;
   CLI::App app("Opaline's benchmark: figures reached beside figures asked", "opaline_bench");
   app.add_option("--mesh", choice.mesh, "Mesh file instead of the synthetic bust");
   app.add_option("--height", choice.height, "Of the object [mm]")->check(CLI::PositiveNumber)->capture_default_str();
@@ -34,11 +35,15 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(1, 101))
       ->capture_default_str();
   app.add_flag("!--no-kernels", kernels, "Leave out the inner loops");
+  app.add_flag("!--no-samplers", samplers, "Leave out the samplers of the profiles");
+  app.add_option("--draws", draws, "Samples of each profile's chi-squared test")->capture_default_str();
   app.add_flag("!--no-render", render, "Leave out the renderer");
   app.add_flag("!--no-fit", fit, "Leave out the fit");
   CLI11_PARSE(app, argc, argv);
   fmt::print("{}\n", machine());
   if (kernels) run_kernels();
+  if (samplers)
+    print_figures("Samplers: sigma_a 0.05, sigma_s' 1, eta 1.3, slabs 3 mm", model_figures(choice.runs, draws));
   const std::string title =
       fmt::format("{} of {}, {} mm high, {} x {} pixels, {} cells", choice.mesh.empty() ? "bust" : choice.mesh,
                   choice.material, choice.height, choice.film, choice.film, choice.samples);

@@ -40,6 +40,8 @@ struct SceneChoice {
 /// The object centred, side-lit by one white directional light, filling most of the film.
 Scene bench_scene(const SceneChoice& choice);
 
+/// Samplers: cost, steps, and chi-squared over that many samples.
+std::vector<Figure> model_figures(int runs, std::size_t samples);
 std::vector<Figure> render_figures(const SceneChoice& choice);
 std::vector<Figure> fit_figures(const SceneChoice& choice);
 
