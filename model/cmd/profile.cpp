@@ -75,8 +75,8 @@ void add_profile_command(CLI::App& app) {
   profile->add_flag("--csv", o->csv, "CSV (the default)")->excludes(json);
   profile->add_flag("--all", o->all, "CSV: also the cumulative, and the transmittance where there is one");
   profile->footer(
-      "Examples: opaline profile --material wholemilk --r 0:20:0.1 --json\n"
-      "  opaline profile --model multipole --model layered --layer 0.01,1,1.4,3 --layer 0.1,2,1.4,inf");
+      "Example: opaline profile --material wholemilk --r 0:20:0.1 --json\n"
+      "Example: opaline profile --model multipole --model layered --layer 0.01,1,1.4,3 --layer 0.1,2,1.4,inf");
   CLI::App* list = profile->add_subcommand("list", "What there is: parameters, domain, citation");
   const auto list_json = std::make_shared<bool>(false);
   list->add_flag("--json", *list_json, "JSON instead of text");

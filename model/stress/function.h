@@ -110,6 +110,7 @@ Axis eta_axis(double low, double high);  ///< with 1, 1 +- 1e-9, 0.5 and 3
 void add_fresnel_functions(std::vector<StressFunction>& rows);
 void add_profile_functions(std::vector<StressFunction>& rows);
 void add_slab_functions(std::vector<StressFunction>& rows);
+void add_single_scattering_functions(std::vector<StressFunction>& rows);
 void add_sampling_functions(std::vector<StressFunction>& rows);
 void add_registry_functions(std::vector<StressFunction>& rows);
 void add_float_functions(std::vector<StressFunction>& rows);

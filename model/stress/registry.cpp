@@ -48,6 +48,7 @@ std::vector<StressFunction> stress_functions() {
   add_fresnel_functions(rows);
   add_profile_functions(rows);
   add_slab_functions(rows);
+  add_single_scattering_functions(rows);
   add_sampling_functions(rows);
   add_registry_functions(rows);
   add_float_functions(rows);

@@ -72,8 +72,9 @@ constexpr const char* fast_render = "render scene.json --technique hierarchical 
 TEST_F(Cli, HelpOfEveryCommandHasAnExample) {
   std::map<std::string, std::future<Ending>> endings;  // starting up takes longest: side by side
   for (const std::string command :
-       {"profile", "material", "material list", "material show", "dataset", "dataset list", "dataset make", "render",
-        "compare", "fit", "transport", "transport walk", "transport table", "transport errors"})
+       {"profile", "profile list", "material", "material list", "material show", "dataset", "dataset list",
+        "dataset make", "render", "compare", "fit", "transport", "transport walk", "transport table",
+        "transport errors"})
     endings[command] = std::async(std::launch::async, [this, command] { return run(command + " --help"); });
   for (auto& [command, ending] : endings) {
     SCOPED_TRACE(command);
@@ -122,6 +123,43 @@ TEST_F(Cli, RefusesWrongArgumentsBeforeAnyWork) {
   expect_wrong(std::string(fast_render) + "a.exr --threads 0", {"--threads", "1"});
   expect_wrong("dataset make slab_uniform --out d --size 0", {"--size"});
   expect_wrong("dataset make slab_uniform --out scene.json", {"scene.json", "is a file"});
+}
+
+TEST_F(Cli, ProfilesAreComparedAndTabulated) {
+  const std::string medium = " --sigma-a 0.1 --sigma-s-prime 1 --eta 1.3 --r 0:4:2 ";
+  const json one = json::parse(run("profile --json" + medium).out);
+  EXPECT_EQ(one["model"], "standard_dipole");
+  EXPECT_EQ(one["channels"][0]["r"], (std::vector<double>{0, 2, 4}));
+  EXPECT_EQ(one["channels"][0]["R"].size(), 3u);
+  EXPECT_GT(one["channels"][0]["total"], one["channels"][0]["cumulative"][2]);
+
+  const Ending two = run("profile --json --model standard_dipole --model multipole --set thickness_mm=1" + medium);
+  const json models = json::parse(two.out)["models"];
+  EXPECT_THAT(two.err, AllOf(HasSubstr("outside the domain of multipole"), HasSubstr("1.1 transport mean free paths")));
+  EXPECT_EQ(models[0]["channels"], one["channels"]);
+  EXPECT_EQ(models[1]["channels"][0]["T"].size(), 3u);
+  EXPECT_NE(models[1]["against_standard_dipole"][0]["mean_abs_log_ratio"], 0);
+
+  const Ending stack = run("profile --model layered --all --layer 0.01,1,1.4,3 --layer 0.1,2,1.4,inf --r 0:4:2");
+  EXPECT_EQ(stack.out.rfind("r_mm,R_per_mm2,cumulative,T_per_mm2\n0,", 0), 0u) << stack.out;
+  folder_.write("measured.csv", "r,R\n0.1,2\n0.2,1\n0.5,0.1\n");
+  const Ending measured = run("profile --model tabulated --set samples=measured.csv --r 0.1:0.5:0.4");
+  EXPECT_EQ(measured.out, "r_mm,R_per_mm2\n0.1,2\n0.5,0.1\n");
+  const json list = json::parse(run("profile list --json").out);
+  EXPECT_GE(list.size(), 11u);
+  for (const json& row : list) EXPECT_NE(row["citation"], "");
+}
+
+TEST_F(Cli, WrongProfileParametersAreNamed) {
+  folder_.write("bad.csv", "r,R\n0.1,2\n0.2,1\n\n0.3,-1\n");
+  expect_wrong("profile --model tabulated --set samples=bad.csv", {"bad.csv: line 5", "R must be positive"});
+  expect_wrong("profile --model tabulated --set samples=none.csv", {"none.csv"});
+  expect_wrong("profile --model tabulated", {"tabulated", "needs samples"});
+  expect_wrong("profile --model multipole --material skin1 --set thick=1", {"thick", "thickness_mm", "index_below"});
+  expect_wrong("profile --model multipole --material skin1 --set thickness_mm=0", {"thickness_mm", "1e-60"});
+  expect_wrong("profile --model layered --layer 1,2", {"1,2", "sigma_a,sigma_s_prime,eta,thickness_mm"});
+  expect_wrong("profile --model layered --layer 1,2,1.3,inf --layer 1,2,1.3,inf", {"thickness_mm"});
+  expect_wrong("profile --model layers --material skin1", {"layers", "layered"});
 }
 
 TEST_F(Cli, RendersWithStats) {
