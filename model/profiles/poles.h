@@ -31,7 +31,34 @@ T inverse_sqrt(const T& x) {
   return 1.0 / sqrt(x);
 }
 
+template <typename T>
+T screening_of_product(const T& a, const T& b, const T& inverse_root_of_b);
+
 #include "model/profiles/pole_formula.inl"
+
+/// screening_at(y) with y = sqrt(t), t >= 0. Smooth in t to first order (derivative -exp(-y)/2), but
+/// the derivative of sqrt is infinite at 0: a dual number (ceres::Jet: value `a`, gradient `v`) gets
+/// the closed form, so that gradients stay exact down to sigma_a = 0.
+template <typename T>
+T screening(const T& t) {
+  using std::exp;
+  using std::sqrt;
+  if constexpr (requires {
+                  t.a;
+                  t.v;
+                }) {
+    const auto y = sqrt(t.a);
+    return y < largest_exponent<T> ? T(screening(t.a), t.v * (-0.5 * exp(-y))) : T(0.0);
+  } else {
+    return screening_at(T(sqrt(t)));
+  }
+}
+
+/// screening(a b). Vector lanes have a shorter way, by the last argument.
+template <typename T>
+T screening_of_product(const T& a, const T& b, const T&) {
+  return screening(T(a * b));
+}
 
 /// 2 pi int_0^r P s ds = exp(-sigma z) - (z/d) exp(-sigma d), written with h = d - z so that every
 /// term is positive: full relative accuracy down to r = 0.
