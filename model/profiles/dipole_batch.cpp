@@ -15,6 +15,15 @@ namespace opaline::HWY_NAMESPACE {
 template <typename T>
 constexpr double largest_exponent = 86;  // exp(-86) is still a normal float
 
+template <typename T>
+T screening_at(const T& y);
+
+/// sqrt(a) is the same for all lanes and leaves the loop.
+HWY_INLINE FloatLanes screening_of_product(const FloatLanes& a, const FloatLanes& b,
+                                           const FloatLanes& inverse_root_of_b) {
+  return screening_at(sqrt(a) * sqrt_by_inverse(b, inverse_root_of_b));
+}
+
 #include "model/profiles/pole_formula.inl"
 
 /// The coefficients of one channel on every lane.

@@ -6,7 +6,7 @@
 //   2 pi int_0^inf P r dr = exp(-sigma z)
 //
 // Templated on the scalar. z in [1e-90, 1e90] mm, sigma in [0, 1e90] 1/mm, r in [0, 1e150] mm.
-// Source: Jensen et al. 2001 for P; Mertens et al. 2003 for sampling by Newton's method.
+// Source: Jensen et al. 2001 for P; Mertens et al. 2003 for sampling by solving for the distance.
 #pragma once
 
 #include "model/conventions.h"
@@ -31,7 +31,34 @@ T inverse_sqrt(const T& x) {
   return 1.0 / sqrt(x);
 }
 
+template <typename T>
+T screening_of_product(const T& a, const T& b, const T& inverse_root_of_b);
+
 #include "model/profiles/pole_formula.inl"
+
+/// screening_at(y) with y = sqrt(t), t >= 0. Smooth in t to first order (derivative -exp(-y)/2), but
+/// the derivative of sqrt is infinite at 0: a dual number (ceres::Jet: value `a`, gradient `v`) gets
+/// the closed form, so that gradients stay exact down to sigma_a = 0.
+template <typename T>
+T screening(const T& t) {
+  using std::exp;
+  using std::sqrt;
+  if constexpr (requires {
+                  t.a;
+                  t.v;
+                }) {
+    const auto y = sqrt(t.a);
+    return y < largest_exponent<T> ? T(screening(t.a), t.v * (-0.5 * exp(-y))) : T(0.0);
+  } else {
+    return screening_at(T(sqrt(t)));
+  }
+}
+
+/// screening(a b). Vector lanes have a shorter way, by the last argument.
+template <typename T>
+T screening_of_product(const T& a, const T& b, const T&) {
+  return screening(T(a * b));
+}
 
 /// 2 pi int_0^r P s ds = exp(-sigma z) - (z/d) exp(-sigma d), written with h = d - z so that every
 /// term is positive: full relative accuracy down to r = 0.
@@ -52,19 +79,22 @@ T pole_cumulative(const T& r, const T& z, const T& sigma) {
 inline double sample_pole(double z, double sigma, double xi, int* steps = nullptr) {
   const double target = -std::log1p(-xi);
   if (!(target > 0)) return 0;
-  // In v = log(1 + w) the equation c expm1(v) + v = target is increasing and convex, and both bounds
-  // below lie right of the root: Newton descends monotonically and keeps full relative accuracy for
-  // small xi (w ~ v) and for large.
+  // In v = log(1 + w) the function f = c expm1(v) + v - target is increasing and convex, and both starts lie right of
+  // its root; full relative accuracy is kept for small xi (w ~ v) and for large. Householder's method of fourth order:
+  // one expm1 gives all derivatives, as the second and third are the first less 1.
   const double c = sigma * z;
-  double v = std::min(target, std::log1p(target / c));
+  double v = target / (1 + c), w = 0;
+  if (v > 1) v = std::min(v, std::log1p(target / c));
   for (int i = 0; i < 8; ++i) {
-    const double w = std::expm1(v);
-    const double step = (c * w + (v - target)) / (c * w + c + 1);
+    w = std::expm1(v);
+    const double inverse_slope = 1 / (c * w + c + 1);
+    const double a = (c * w + (v - target)) * inverse_slope, ab = a * (1 - inverse_slope);
+    const double step = a * (6 - 3 * ab) / (6 - ab * (6 - a));
     v -= step;
+    w -= (1 + w) * step * (1 - step * (0.5 - step * (1.0 / 6 - step * (1.0 / 24))));  // expm1(v), if the step is small
     if (steps) ++*steps;
-    if (std::abs(step) <= 1e-9 * v) break;  // quadratic: the next step is below the rounding
+    if (std::abs(step) <= 2e-4 * std::min(v, 1.0)) break;  // the next one would be below the rounding
   }
-  const double w = std::expm1(v);
   return z * std::sqrt(w * (w + 2));
 }
 

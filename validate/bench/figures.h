@@ -25,6 +25,9 @@ std::string machine();
 /// Median of the seconds of `runs` calls, after one that is not counted.
 double median_seconds(int runs, const std::function<void()>& call);
 
+/// Processor time of this thread so far: what a busy machine doesn't stretch.
+double thread_seconds();
+
 /// Peak resident memory of this process [bytes].
 double peak_rss();
 

@@ -14,7 +14,6 @@
 #include "render/irradiance/profile_sum.h"
 
 #include <fmt/format.h>
-#include <time.h>
 
 #include <algorithm>
 #include <array>
@@ -26,12 +25,6 @@ namespace opaline::bench {
 double run_fma_peak(float* sink);  // kernels.cpp
 
 namespace {
-
-double thread_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
 
 /// Most of what call() returns, per second.
 double best_rate(const std::function<double()>& call) {
