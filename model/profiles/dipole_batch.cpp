@@ -24,7 +24,7 @@ HWY_INLINE FloatLanes screening_of_product(const FloatLanes& a, const FloatLanes
   return screening_at(sqrt(a) * sqrt_by_inverse(b, inverse_root_of_b));
 }
 
-#include "model/profiles/pole_formula.inl"
+#include "model/profiles/pole_formula.h"
 
 /// The coefficients of one channel on every lane.
 struct DipoleLanes {

@@ -34,7 +34,7 @@ T inverse_sqrt(const T& x) {
 template <typename T>
 T screening_of_product(const T& a, const T& b, const T& inverse_root_of_b);
 
-#include "model/profiles/pole_formula.inl"
+#include "model/profiles/pole_formula.h"
 
 /// screening_at(y) with y = sqrt(t), t >= 0. Smooth in t to first order (derivative -exp(-y)/2), but
 /// the derivative of sqrt is infinite at 0: a dual number (ceres::Jet: value `a`, gradient `v`) gets

@@ -1,5 +1,6 @@
-// The pole and the dipole as functions of q = r^2, for any scalar. Included by poles.h, and once for every vector target
-// by dipole_batch.cpp inside that target's namespace: a template compiled for the baseline can't be inlined there.
+// No include guard, on purpose. The pole and the dipole as functions of q = r^2, for any scalar. Included by poles.h,
+// and once for every vector target by dipole_batch.cpp inside that target's namespace: a template compiled for the
+// baseline can't be inlined there.
 //
 // Expects in scope, for T: choose(condition, a, b), inverse_sqrt(x), screening_of_product(a, b, inverse_root_of_b),
 // largest_exponent<T>, and pi.
@@ -17,7 +18,8 @@ T pole_evaluate_squared(const T& q, const T& z, const T& sigma_squared) {
   const T d_squared = q + z * z;
   const T inverse_d = inverse_sqrt(d_squared);
   // In this order neither d^3 nor its derivatives overflow.
-  return screening_of_product(sigma_squared, d_squared, inverse_d) * (0.5 / pi * z * inverse_d) * (inverse_d * inverse_d);
+  return screening_of_product(sigma_squared, d_squared, inverse_d) * (0.5 / pi * z * inverse_d) *
+         (inverse_d * inverse_d);
 }
 
 /// The sum of two poles, per transmitted flux.
