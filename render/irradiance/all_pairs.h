@@ -6,8 +6,8 @@
 // cells. One pair (a cell and a point) is two evaluations of the profile in every channel.
 //
 //   struct Criterion { void begin_group(const glm::vec3& position, float radius);  // radius is 0: one point at a time
-//                      // May a cell or a part of it stay whole? More so the further and the smaller.
-//                      bool accept_part(float distance, float radius, float trace) const; };
+//                      // May a cell or a part of it stay whole? More so the smaller, and the further beyond
+//                      `falling_from`. bool accept_part(float distance, float radius, float trace) const; };
 #pragma once
 
 #include "render/irradiance/gather.h"
@@ -24,12 +24,13 @@ struct AllPairs {
   const ClusterTree& tree;
   const SurfaceCells& cells;
   const ProfileSum& profile;
+  float falling_from;                           ///< [mm]
   PatchList whole;                              ///< all cells, in the tree's order
   std::vector<std::uint32_t> rank;              ///< per node: cells before it
   float largest_radius = 0, largest_trace = 0;  ///< of a cell
 
-  AllPairs(const ClusterTree& t, const SurfaceCells& c, const ProfileSum& p)
-      : tree(t), cells(c), profile(p), whole(t.masses) {
+  AllPairs(const ClusterTree& t, const SurfaceCells& c, const ProfileSum& p, float from)
+      : tree(t), cells(c), profile(p), falling_from(from), whole(t.masses) {
     rank.reserve(tree.nodes.size());
     for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
       rank.push_back(static_cast<std::uint32_t>(whole.size()));
@@ -97,7 +98,8 @@ class PairWorker {
 
   /// Whether every cell further away than this may stay whole.
   bool all_whole(float distance) const {
-    return distance > 0 && criterion_.accept_part(distance, shared_.largest_radius, shared_.largest_trace);
+    return distance > shared_.falling_from &&
+           criterion_.accept_part(distance, shared_.largest_radius, shared_.largest_trace);
   }
 
   void split(const glm::vec3& position, std::size_t leaf, const SurfaceCell& cell, float radius, float fraction,
@@ -129,9 +131,9 @@ class PairWorker {
 /// depend on the number of threads.
 template <typename Criterion>
 GatherCounts sum_all_pairs(const ClusterTree& tree, const SurfaceCells& cells, const ProfileSum& profile,
-                           std::span<const glm::vec3> points, const Criterion& criterion,
+                           std::span<const glm::vec3> points, const Criterion& criterion, float falling_from,
                            std::vector<std::array<float, 3>>& sums) {
-  const AllPairs shared(tree, cells, profile);
+  const AllPairs shared(tree, cells, profile, falling_from);
   const std::vector<std::uint32_t> order = morton_order(points);
   const std::size_t groups = (order.size() + AllPairs::group_size - 1) / AllPairs::group_size;
   GatherCounts total;

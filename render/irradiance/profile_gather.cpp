@@ -190,7 +190,7 @@ std::vector<glm::vec3> gather_exitance(const ClusterTree& tree, const SurfaceCel
                                    profiles.core_radius() * profiles.core_radius(),
                                    dark_level(tree)};
     counts = clusters ? run(tree, cells, profiles, points, criterion, 64, sums)
-                      : sum_all_pairs(tree, cells, profiles.sum(), points, criterion, sums);
+                      : sum_all_pairs(tree, cells, profiles.sum(), points, criterion, 4 * profiles.core_radius(), sums);
   }
   count(counts, tree, profiles, points.size(), counters);
   std::vector<glm::vec3> exitance(points.size());

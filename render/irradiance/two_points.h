@@ -23,6 +23,9 @@ struct TwoPoints {
 /// Square root by one Newton step, relative error below 5e-7; 0 below 1e-36. A true one takes longer than all the rest.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V fast_sqrt(D d, V x) {
+#if HWY_TARGET == HWY_SCALAR  // its guess has eight bits only
+  return hn::Sqrt(hn::Max(x, hn::Zero(d)));
+#endif
   const V y = hn::Max(x, hn::Set(d, 1e-36f)), guess = hn::ApproximateReciprocalSqrt(y), root = hn::Mul(y, guess);
   const V corrected = hn::Mul(root, hn::NegMulAdd(hn::Mul(root, guess), hn::Set(d, 0.5f), hn::Set(d, 1.5f)));
   return hn::IfThenElseZero(hn::Gt(x, hn::Set(d, 1e-36f)), corrected);

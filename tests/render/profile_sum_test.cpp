@@ -158,6 +158,26 @@ TEST(ProfileSum, ManyQueriesAreTheQueriesOneByOne) {
     }
 }
 
+TEST(ProfileSum, SkippedPatchesAreThoseOfNoWeight) {
+  const ProfileTable table = power_table(0.5, 3);
+  const ProfileSum profile{{&table}, 1, {0, 0, 0}};
+  for (const int masses : {1, 3}) {
+    const PatchList patches = patches_of(random_patches(1300, masses));
+    const std::vector<std::uint32_t> skipped[] = {{}, {0}, {511, 512, 513}, {5, 700, 1299}, {1298}};
+    std::vector<glm::vec3> positions;
+    for (int i = 0; i < 5; ++i) positions.push_back({0.3f * static_cast<float>(i), 0.2f, -0.1f});
+    std::vector<std::array<float, 3>> sums(5);
+    add_profile_sums(profile, patches, positions, skipped, sums.data());
+    for (std::size_t q = 0; q < 5; ++q) {
+      std::vector<float> weight(PatchList::padded(1300), 1.0f);
+      for (const std::uint32_t i : skipped[q]) weight[i] = 0;
+      std::array<float, 3> expected{};
+      add_profile_sum(profile, patches, weight.data(), positions[q], expected.data());
+      EXPECT_EQ(sums[q], expected) << "query " << q << " fluxes " << masses;
+    }
+  }
+}
+
 TEST(ProfileSum, AMillionEqualPatchesDoNotDrift) {
   ClusterTree tree;
   ClusterNode node{};

@@ -12,8 +12,10 @@
 #include "model/profiles/dipole_batch.h"
 #include "model/simd.h"
 #include "render/irradiance/profile_sum.h"
+#include "render/techniques/technique.h"
 
 #include <fmt/format.h>
+#include <tbb/global_control.h>
 
 #include <algorithm>
 #include <array>
@@ -125,6 +127,33 @@ double asked(const std::string& target, double avx512, double avx2) {
   return target.rfind("AVX3", 0) == 0 ? avx512 : target == "AVX2" ? avx2 : 0;
 }
 
+/// The technique, with finding and splitting near cells, on a dense view.
+Figure brute_force_figure(const std::string& target) {
+  SceneChoice choice;
+  choice.film = 48;
+  const Scene scene = bench_scene(choice);
+  const SharedScene shared(scene, {choice.samples, {}});
+  const Technique& technique = find_technique("brute_force");
+  const auto prepared = technique.prepare(shared, Settings(technique.settings, {}));
+  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
+  double rate = 0, parts = 0;
+  for (int run = 0; run < 3; ++run) {
+    const double start = thread_seconds();
+    const Frame frame = prepared->render(shared.view);
+    const auto whole = static_cast<double>(frame.counters.done.at("clusters"));
+    parts = static_cast<double>(frame.counters.done.at("cell_parts"));
+    rate = std::max(rate, (whole + parts) / (thread_seconds() - start));
+  }
+  return {
+      target + ": brute_force, RGB values (two a pair)",
+      2 * rate / 1e6,
+      asked(target, 900, 360),
+      false,
+      "M/s",
+      fmt::format("{:.0f} M pairs/s; {} points x {} cells, {:.0f} parts a point", rate / 1e6, shared.view.points.size(),
+                  shared.cells[0].size(), parts / static_cast<double>(shared.view.points.size()))};
+}
+
 }  // namespace
 
 std::vector<Figure> kernel_figures() {
@@ -151,6 +180,7 @@ std::vector<Figure> kernel_figures() {
     const double pairs = best_rate([&] { return near.add_pairs(); });
     row("all pairs, RGB values (two a pair)", 2 * pairs, pair_flops / 2, asked(target, 900, 360),
         fmt::format("; {:.0f} M pairs/s", pairs / 1e6));
+    if (asked(target, 1, 1) > 0) figures.push_back(brute_force_figure(target));
   }
   limit_simd_target("");
   return figures;
