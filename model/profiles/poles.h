@@ -6,7 +6,7 @@
 //   2 pi int_0^inf P r dr = exp(-sigma z)
 //
 // Templated on the scalar. z in [1e-90, 1e90] mm, sigma in [0, 1e90] 1/mm, r in [0, 1e150] mm.
-// Source: Jensen et al. 2001 for P; Mertens et al. 2003 for sampling by Newton's method.
+// Source: Jensen et al. 2001 for P; Mertens et al. 2003 for sampling by solving for the distance.
 #pragma once
 
 #include "model/conventions.h"
@@ -66,20 +66,22 @@ struct PoleSample {
 inline PoleSample sample_pole_counted(double z, double sigma, double xi) {
   const double target = -std::log1p(-xi);
   if (!(target > 0)) return {0, 0};
-  // In v = log(1 + w) the equation c expm1(v) + v = target is increasing and convex, and both bounds
-  // below lie right of the root: Newton descends monotonically and keeps full relative accuracy for
+  // In v = log(1 + w) the equation f = c expm1(v) + v - target = 0 is increasing and convex, f'' = f' - 1, and both
+  // bounds below lie right of the root: Halley's method takes two or three steps and keeps full relative accuracy for
   // small xi (w ~ v) and for large.
   const double c = sigma * z;
-  double v = std::min(target, std::log1p(target / c));
+  double v = target / (1 + c), w = 0, step = 0;
+  if (v > 0.5) v = std::min(v, std::log1p(target / c));
   int steps = 0;
   while (steps < 8) {
-    const double w = std::expm1(v);
-    const double step = (c * w + (v - target)) / (c * w + c + 1);
+    w = std::expm1(v);
+    const double slope = c * w + c + 1, newton = (c * w + (v - target)) / slope;
+    step = newton / (1 - 0.5 * newton * ((slope - 1) / slope));
     v -= step;
     ++steps;
-    if (std::abs(step) <= 1e-9 * v) break;  // quadratic: the next step is below the rounding
+    if (std::abs(step) <= 2e-6 * std::min(v, 1.0)) break;  // cubic: the next step is below the rounding
   }
-  const double w = std::expm1(v);
+  w -= (1 + w) * step * (1 - step * (0.5 - step / 6));  // expm1 of the last step
   return {z * std::sqrt(w * (w + 2)), steps};
 }
 
@@ -90,11 +92,16 @@ inline double sample_pole(double z, double sigma, double xi) { return sample_pol
 
 /// Sampling of the sum of two poles at depths z_near <= z_far: one of them, chosen by its share of the flux,
 /// reusing xi. (Not the inverse of the summed cumulative: the result isn't monotone in xi.)
-inline double sample_pole_pair(double z_near, double z_far, double sigma, double xi) {
+inline double near_pole_share(double z_near, double z_far, double sigma) {
+  return 1 / (1 + std::exp(-sigma * (z_far - z_near)));
+}
+inline double sample_pole_pair(double z_near, double z_far, double sigma, double share, double xi) {
   constexpr double below_one = 1 - 0x1p-53;
-  const double share = 1 / (1 + std::exp(-sigma * (z_far - z_near)));
   if (xi < share) return sample_pole(z_near, sigma, std::min(xi / share, below_one));
   return sample_pole(z_far, sigma, std::min((xi - share) / (1 - share), below_one));
+}
+inline double sample_pole_pair(double z_near, double z_far, double sigma, double xi) {
+  return sample_pole_pair(z_near, z_far, sigma, near_pole_share(z_near, z_far, sigma), xi);
 }
 
 }  // namespace opaline
