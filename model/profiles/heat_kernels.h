@@ -16,6 +16,7 @@
 
 #include "model/conventions.h"
 #include "model/profiles/complex.h"
+#include "model/scalar.h"
 
 #include <array>
 #include <vector>
@@ -28,16 +29,6 @@ struct HeatKernel {
   T weight;
   double t;
 };
-
-/// The number under a dual number.
-template <typename T>
-double value_of(const T& x) {
-  if constexpr (requires { x.a; }) {
-    return x.a;
-  } else {
-    return static_cast<double>(x);
-  }
-}
 
 /// The upper half of the contour: phi(t) = 1/t sum Im(weight F(point/t)).
 struct LaplaceContour {

@@ -1,6 +1,7 @@
 // A stack of layers as a Profile: Hankel transforms of layered.h, inverted into heat kernels.
 //
-// Relative error 1e-11 until R has fallen by exp(-300); total and total_transmittance are closed. What passes through
+// Relative error 1e-11 until R has fallen by exp(-300), and of a transmittance of 1e-10 1e-8; total and
+// total_transmittance are closed. What passes through
 // thin layers unscattered (slab.h) is no diffuse light and not in the transmittance.
 #pragma once
 

@@ -98,13 +98,21 @@ inline double sample_pole(double z, double sigma, double xi, int* steps = nullpt
   return z * std::sqrt(w * (w + 2));
 }
 
-/// Sampling of the sum of two poles at depths z_near <= z_far: one of them, chosen by its share of the flux,
-/// reusing xi. (Not the inverse of the summed cumulative: the result isn't monotone in xi.)
-inline double sample_pole_pair(double z_near, double z_far, double sigma, double xi, int* steps = nullptr) {
+/// The share of the flux that the nearer of two poles has.
+inline double near_pole_share(double z_near, double z_far, double sigma) {
+  return 1 / (1 + std::exp(-sigma * (z_far - z_near)));
+}
+
+/// Sampling of the sum of two poles at depths z_near <= z_far: one of them, chosen by its share of the flux
+/// (near_pole_share), reusing xi. (Not the inverse of the summed cumulative: the result isn't monotone in xi.)
+inline double sample_pole_pair(double z_near, double z_far, double sigma, double share, double xi,
+                               int* steps = nullptr) {
   constexpr double below_one = 1 - 0x1p-53;
-  const double share = 1 / (1 + std::exp(-sigma * (z_far - z_near)));
   if (xi < share) return sample_pole(z_near, sigma, std::min(xi / share, below_one), steps);
   return sample_pole(z_far, sigma, std::min((xi - share) / (1 - share), below_one), steps);
+}
+inline double sample_pole_pair(double z_near, double z_far, double sigma, double xi) {
+  return sample_pole_pair(z_near, z_far, sigma, near_pole_share(z_near, z_far, sigma), xi);
 }
 
 }  // namespace opaline

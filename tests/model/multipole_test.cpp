@@ -87,6 +87,25 @@ TEST(Multipole, WithoutAbsorptionAllLightLeaves) {
   }
 }
 
+TEST(Multipole, ThinSlabsScatterOnceOnTheAverage) {
+  // alpha' d/(2 l) to either side, and no jump where the source is moved or the beam passes.
+  const auto total = [](double d) {
+    const Multipole<double> m({{.2, .8, 1.3}, d, 1.3});
+    return std::pair(m.total_reflectance(), m.total_transmittance());
+  };
+  for (const double d : {1e-6, 1e-3}) {
+    EXPECT_NEAR(total(d).first / (.4 * d), 1, 5 * d);
+    EXPECT_NEAR(total(d).second / (.4 * d), 1, 5 * d);
+  }
+  for (const double d : {1.0, 1.5}) {
+    EXPECT_NEAR(total(d * (1 - 1e-9)).first, total(d * (1 + 1e-9)).first, 1e-8) << d;
+    EXPECT_NEAR(total(d * (1 - 1e-9)).second, total(d * (1 + 1e-9)).second, 1e-8) << d;
+  }
+  const SlabSource<double> thin({{.2, .8, 1.3}, .25, 1.3});
+  EXPECT_DOUBLE_EQ(thin.strength + thin.unscattered, 1);
+  EXPECT_DOUBLE_EQ(thin.depth + thin.below, .25);
+}
+
 TEST(Multipole, TwiceTheSourceDepthSplitsEvenly) {
   const Multipole<double> m({{.1, .9, 1.3}, 2, 1.3});
   EXPECT_NEAR(m.total_reflectance(), .285, 1e-3);

@@ -35,7 +35,7 @@ int most_steps(std::uint64_t count) {
   int most = 0;
   const auto sample = [&](const StandardDipole<double>& d, double xi) {
     int steps = 0;
-    sample_pole_pair(d.z_r, d.z_v, d.sigma_tr, xi, &steps);
+    sample_pole_pair(d.z_r, d.z_v, d.sigma_tr, d.near_share, xi, &steps);
     most = std::max(most, steps);
   };
   const double shares[] = {0, 1e-300, 1e-16, 1e-12, 1e-3, 0.5, 1 - 1e-3, 1 - 1e-12, 1 - 0x1p-53};
