@@ -4,21 +4,13 @@
 // for albedo -> 1; without scattering k = 1.
 #pragma once
 
+#include "model/scalar.h"
+
 #include <cmath>
 
 namespace opaline {
 
 namespace asymptotic_decay_detail {
-
-/// The number itself, of a dual number (ceres::Jet) its value.
-template <typename T>
-double value_of(const T& t) {
-  if constexpr (requires { t.a; }) {
-    return static_cast<double>(t.a);
-  } else {
-    return static_cast<double>(t);
-  }
-}
 
 /// (artanh(k)/k - 1)/k^2 and its derivative by k^2, at k^2 = w < 1.
 inline double excess(double w) {

@@ -6,8 +6,9 @@
 // cells. One pair (a cell and a point) is two evaluations of the profile in every channel.
 //
 //   struct Criterion { void begin_group(const glm::vec3& position, float radius);  // radius is 0: one point at a time
-//                      // May a cell or a part of it stay whole? More so the smaller, and the further beyond
-//                      `falling_from`. bool accept_part(float distance, float radius, float trace) const; };
+//                      // May a cell or a part of it stay whole? The smaller the more so; the further too, but only
+//                      // beyond `falling_from`: within its core a profile is flat, and steepest a little further out.
+//                      bool accept_part(float distance, float radius, float trace) const; };
 #pragma once
 
 #include "render/irradiance/gather.h"
