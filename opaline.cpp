@@ -27,6 +27,7 @@ void add_commands(CLI::App& app) {
   add_profile_command(app);
   add_material_command(app);
   add_stress_command(app);
+  add_transport_command(app);
   add_dataset_command(app, shapes);
   add_render_command(app, shapes);
   add_fit_command(app, shapes);

@@ -1,6 +1,7 @@
 #include "fit/transport_operator.h"
 
 #include "fit/deposit.h"
+#include "fit/softened_profile.h"
 #include "model/check.h"
 #include "model/fresnel.h"
 #include "render/irradiance/gather.h"
@@ -169,8 +170,9 @@ ColumnCoefficients column_coefficients(const TransportOperator& op, const Profil
   const Dual scale =
       Dual(op.light_channels == 1 ? op.colour[channel] : 1.0) / (pi * exit_lobe_normalisation(eta, op.lobe));
   const std::unique_ptr<Profile> formula = profile.make(medium);
+  const SoftenedProfile visible(*formula, std::sqrt(op.radial.x_0()));
   std::vector<ProfileGradient> at_node;
-  for (int n = 0; n < op.radial.size(); ++n) at_node.push_back(formula->evaluate_with_gradient(op.radial.radius(n)));
+  for (int n = 0; n < op.radial.size(); ++n) at_node.push_back(visible.evaluate_with_gradient(op.radial.radius(n)));
   ColumnCoefficients out;
   for (std::vector<double>* v : {&out.value, &out.d_sigma_a, &out.d_sigma_s_prime, &out.d_eta})
     v->reserve(op.columns());

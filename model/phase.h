@@ -50,13 +50,20 @@ T schlick_k(const T& g) {
   return g * (1.55 - 0.55 * g * g);
 }
 
-/// Mean cosine of Schlick's phase function: 1/k - (1 - k^2)/(2 k^2) log((1+k)/(1-k)), from its series near 0.
+/// Mean cosine of Schlick's phase function: 1/k - (1 - k^2)/(2 k^2) log((1+k)/(1-k)), for small k by its series
+/// 2 sum k^(2n+1)/((2n+1)(2n+3)).
 template <typename T>
 T schlick_mean_cosine(const T& k) {
   using std::abs;
   using std::log;
-  if (abs(k) < 0.03) return k * (2.0 / 3.0 + k * k * (2.0 / 15.0 + k * k * (2.0 / 35.0 + k * k * (2.0 / 63.0))));
-  return 1.0 / k - (1.0 - k) * (1.0 + k) / (2.0 * k * k) * log((1.0 + k) / (1.0 - k));
+  if (abs(k) >= 0.5) return 1.0 / k - (1.0 - k) * (1.0 + k) / (2.0 * k * k) * log((1.0 + k) / (1.0 - k));
+  T power = 2.0 * k, sum = power / 3.0;
+  for (double n = 1;; ++n) {
+    power *= k * k;
+    const T term = power / ((2 * n + 1) * (2 * n + 3));
+    sum += term;
+    if (sum + (2 * n + 1) * 16.0 * term == sum) return sum;  // the factor covers the rest, and a derivative
+  }
 }
 
 }  // namespace opaline

@@ -1,74 +1,66 @@
-#include "model/profiles/profile.h"
 #include "model/cmd/commands.h"
 #include "model/cmd/medium_options.h"
+#include "model/cmd/profile_list.h"
+#include "model/cmd/profile_output.h"
+#include "model/cmd/profile_parameters.h"
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
+#include <cstdio>
 #include <memory>
 
 namespace opaline {
 namespace {
 
 struct Options {
-  std::string model = "standard_dipole", radii = "0:20:0.1";
+  std::vector<std::string> models = {"standard_dipole"}, settings, layers;
+  std::string radii = "0:20:0.1";
   MediumOptions medium;
-  bool json = false, csv = false;
+  bool json = false, csv = false, all = false;
 };
 
-struct Channel {
-  std::vector<double> r, R;
-  double total;
-};
-
-const ProfileInfo& chosen_model(const std::string& name) {
-  const ProfileInfo* info = find_profile(name);
-  std::vector<std::string> names;
-  for (const ProfileInfo& row : profiles()) names.push_back(row.name);
-  require_argument(info != nullptr,
-                   fmt::format("--model: no profile \"{}\"; choose from {}", name, fmt::join(names, ", ")));
-  return *info;
-}
-
-Channel tabulate(const ProfileInfo& info, const Medium<double>& medium, const std::vector<double>& radii) {
-  const auto profile = info.make(medium);
-  Channel channel{radii, {}, profile->total()};
-  for (const double r : radii) channel.R.push_back(profile->evaluate(r));
-  return channel;
-}
-
-void print_json(const std::string& model, const std::vector<Channel>& channels) {
-  nlohmann::ordered_json json = {{"model", model}, {"units", {{"r", "mm"}, {"R", "1/mm^2"}, {"total", "1"}}}};
-  json["channels"] = nlohmann::ordered_json::array();
-  for (const Channel& c : channels) json["channels"].push_back({{"r", c.r}, {"R", c.R}, {"total", c.total}});
-  fmt::print("{}\n", json.dump());
-}
-
-void print_csv(const std::vector<Channel>& channels) {
-  const bool rgb = channels.size() == 3;
-  fmt::print("r_mm,{}\n", rgb ? "R_red_per_mm2,R_green_per_mm2,R_blue_per_mm2" : "R_per_mm2");
-  for (std::size_t i = 0; i < channels[0].r.size(); ++i) {
-    fmt::print("{}", channels[0].r[i]);
-    for (const Channel& c : channels) fmt::print(",{}", c.R[i]);
-    fmt::print("\n");
+TabulatedModel tabulated_model(const ProfileInfo& info, const std::vector<Medium<double>>& media,
+                               const ProfileParameters& parameters, const std::vector<double>& radii) {
+  TabulatedModel model{info.name, {}};
+  for (const Medium<double>& medium : media) {
+    model.channels.push_back(tabulate(info, *info.make(medium, parameters), radii));
+    for (const std::string& reason : info.outside_domain(medium, parameters))
+      fmt::print(stderr, "opaline: outside the domain of {}: {}\n", info.name, reason);
   }
+  return model;
+}
+
+/// The media the options name; a table needs none.
+std::vector<Medium<double>> media_for(const Options& o, const std::vector<const ProfileInfo*>& models,
+                                      const std::vector<Layer>& stack) {
+  const MediumOptions& m = o.medium;
+  const bool none = m.material.empty() && m.sigma_a.empty() && m.sigma_s_prime.empty();
+  require_argument(stack.empty() || none, "--layer: the first layer is the medium; give no other");
+  if (!stack.empty()) return {stack.front().medium};
+  if (none && models.size() == 1 && !models[0]->depends_on_medium) return {{0, 1, 1}};
+  return media_of(m);
 }
 
 void run(const Options& o) {
-  const ProfileInfo& info = chosen_model(o.model);
+  const auto models = models_of(o.models);
+  const std::vector<Layer> stack = parse_layers(o.layers);
+  std::vector<ProfileParameters> parameters = parameters_of(models, o.settings);
+  if (!stack.empty()) add_layers(models, stack, parameters);
   const std::vector<double> radii = parse_radii(o.radii);
-  std::vector<Channel> channels;
-  for (const auto& medium : media_of(o.medium)) channels.push_back(tabulate(info, medium, radii));
-  o.json ? print_json(info.name, channels) : print_csv(channels);
+  const auto media = media_for(o, models, stack);
+  std::vector<TabulatedModel> tables;
+  for (std::size_t i = 0; i < models.size(); ++i)
+    tables.push_back(tabulated_model(*models[i], media, parameters[i], radii));
+  o.json ? print_profiles_json(tables) : print_profiles_csv(tables, o.all);
 }
 
 }  // namespace
 
 void add_profile_command(CLI::App& app) {
   const auto o = std::make_shared<Options>();
-  CLI::App* profile = app.add_subcommand("profile", "Diffuse reflectance profile R_d(r) of a model and a material");
-  profile->add_option("--model", o->model, "Profile")->capture_default_str();
+  CLI::App* profile = app.add_subcommand("profile", "Diffuse reflectance profiles R_d(r) of models and a material");
+  profile->add_option("--model", o->models, "Profile; several to compare")->capture_default_str();
+  profile->add_option("--set", o->settings, "Parameter key=value, see `opaline profile list`")->take_all();
   profile->add_option("--material", o->medium.material, "Name from `opaline material list`: three channels");
   profile->add_option("--sigma-a", o->medium.sigma_a, "Absorption [1/mm]: one number, or three with commas")
       ->delimiter(',');
@@ -77,11 +69,22 @@ void add_profile_command(CLI::App& app) {
   profile->add_option("--eta", o->medium.eta, "Refraction index, inside / outside");
   profile->add_option("--g", o->medium.g,
                       "Mean scattering cosine; a profile depends on sigma_s' = (1 - g) sigma_s alone");
+  profile->add_option("--layer", o->layers, "Instead of these: sigma_a,sigma_s_prime,eta,thickness_mm, from the top");
   profile->add_option("--r", o->radii, "Radii lo:hi:step [mm]")->capture_default_str();
-  CLI::Option* json = profile->add_flag("--json", o->json, "JSON, with each channel's total");
+  CLI::Option* json = profile->add_flag("--json", o->json, "JSON, with totals, cumulative and transmittance");
   profile->add_flag("--csv", o->csv, "CSV (the default)")->excludes(json);
-  profile->footer("Example: opaline profile --material wholemilk --r 0:20:0.1 --json");
-  profile->callback([o] { run(*o); });
+  profile->add_flag("--all", o->all, "CSV: also the cumulative, and the transmittance where there is one");
+  profile->footer(
+      "Example: opaline profile --material wholemilk --r 0:20:0.1 --json\n"
+      "Example: opaline profile --model multipole --model layered --layer 0.01,1,1.4,3 --layer 0.1,2,1.4,inf");
+  CLI::App* list = profile->add_subcommand("list", "What there is: parameters, domain, citation");
+  const auto list_json = std::make_shared<bool>(false);
+  list->add_flag("--json", *list_json, "JSON instead of text");
+  list->footer("Example: opaline profile list");
+  list->callback([list_json] { list_profiles(*list_json); });
+  profile->callback([o, list] {
+    if (!list->parsed()) run(*o);
+  });
 }
 
 }  // namespace opaline

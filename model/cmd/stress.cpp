@@ -98,7 +98,8 @@ void add_stress_command(CLI::App& app) {
   stress->add_flag("--json", *json, "JSON, with each function's domain, instead of a table");
   stress->footer(
       "ULP/(1+k): error in units of the last place, divided by 1 + the condition number k of the function at that\n"
-      "input. Exit code 1 past a limit or for any NaN, infinite, negative or non-monotone value.\n"
+      "input; of a float for rows marked (float). Exit code 1 past a limit or for any NaN, infinite, negative or "
+      "non-monotone value.\n"
       "Example: opaline stress --count 10000000 --only standard_dipole");
   stress->callback([o, json] { run(*o, *json); });
 }

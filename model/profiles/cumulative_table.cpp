@@ -1,5 +1,6 @@
 #include "model/profiles/cumulative_table.h"
 
+#include "model/chebyshev.h"
 #include "model/check.h"
 #include "model/conventions.h"
 
@@ -13,26 +14,11 @@ constexpr double width = 0.5;      // of a segment, in log r
 constexpr double first = -12;      // below exp(first) core the profile is constant to 4e-11 of the flux there
 constexpr int most_segments = 96;  // up to 4e15 cores: what lies beyond a tail r^-3 is below 1e-15
 
-template <typename Coefficients>
-double clenshaw(const Coefficients& a, double x) {
-  double b1 = 0, b2 = 0;
-  for (std::size_t k = a.size() - 1; k > 0; --k) {
-    const double b0 = 2 * x * b1 - b2 + a[k];
-    b2 = b1;
-    b1 = b0;
-  }
-  return x * b1 - b2 + a[0];
-}
-
-/// Chebyshev coefficients of f on [-1, 1] from its values at the Chebyshev points; the last one is 0.
+/// Chebyshev coefficients of f on [-1, 1]; the last one is 0.
 template <typename Coefficients, typename F>
 Coefficients chebyshev(const F& f) {
-  constexpr int n = CumulativeTable::points;
   Coefficients a{};
-  for (int j = 0; j < n; ++j) {
-    const double angle = pi * (j + 0.5) / n, value = f(std::cos(angle));
-    for (int k = 0; k < n; ++k) a[static_cast<std::size_t>(k)] += (k ? 2.0 : 1.0) / n * value * std::cos(k * angle);
-  }
+  chebyshev_fit(CumulativeTable::points, f, a);
   return a;
 }
 

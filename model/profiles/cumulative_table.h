@@ -1,7 +1,7 @@
 // The cumulative of a radial profile without a closed one, and sampling from it.
 //
 // y = log(r/core) is cut into segments of 1/2; in each the ring density 2 pi r^2 R(r) is a Chebyshev polynomial of
-// degree 11 and the cumulative its integral. Error below 1e-10 of cumulative(r) for a profile that is smooth in
+// degree 15 and the cumulative its integral. Error below 1e-12 of cumulative(r) for a profile that is smooth in
 // r^2 on the scale core^2 and analytic in log r elsewhere (poles, Yukawa terms, exponentials).
 #pragma once
 
@@ -13,7 +13,7 @@ namespace opaline {
 
 class CumulativeTable {
  public:
-  static constexpr int points = 12;
+  static constexpr int points = 16;
 
   /// profile      R(r) [1/mm^2], r [mm]; finite, >= 0, flat well below core_radius
   /// core_radius  > 0 [mm]

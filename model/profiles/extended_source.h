@@ -88,16 +88,43 @@ struct ExtendedSourceDiffusion {
 
   /// R_d [1/mm^2] at distance r [mm].
   T evaluate(const T& r) const {
-    static const SourceDepths depths;
     const T q = r * r;
-    T sum = T(0.0);
-    for (std::size_t i = 0; i < SourceDepths::count; ++i) {
-      sum += depths.weight[i] * source_at(q, T(depths.depth[i] / sigma_t_prime));
-    }
-    return albedo_squared * sum;
+    return over_depths([&](const T& t) { return source_at(q, t); });
+  }
+
+  /// 2 pi int_0^r R_d s ds and its limit; closed without kappa, relative error of the sum 1e-13.
+  T cumulative(const T& r) const requires(!near_correction) {
+    return over_depths([&](const T& t) {
+      const T s = sigma_tr(), z_v = t + gap;
+      const T poles = pole_cumulative(r, t, s) + pole_cumulative(r, z_v, s);
+      return T(0.5 * flux_weight * poles + (1.0 - flux_weight) * yukawa_gap_cumulative(r, t, z_v, s));
+    });
+  }
+  T total() const requires(!near_correction) {
+    using std::exp;
+    return over_depths([&](const T& t) {
+      const T s = sigma_tr(), poles = 0.5 * (exp(-s * t) + exp(-s * (t + gap)));
+      return T(flux_weight * poles + (1.0 - flux_weight) * yukawa_gap_total(t, T(t + gap), s));
+    });
   }
 
   T core_radius() const { return SourceDepths::first / sigma_t_prime; }
+
+ private:
+  T sigma_tr() const {
+    using std::sqrt;
+    return sigma_tr_squared == 0.0 ? T(0.0) : T(sqrt(sigma_tr_squared));
+  }
+
+  template <typename F>
+  T over_depths(const F& f) const {
+    static const SourceDepths depths;
+    T sum = T(0.0);
+    for (std::size_t i = 0; i < SourceDepths::count; ++i) {
+      sum += depths.weight[i] * f(T(depths.depth[i] / sigma_t_prime));
+    }
+    return albedo_squared * sum;
+  }
 };
 
 template <typename T>

@@ -1,7 +1,8 @@
-// Turns a templated R_d(r) without closed integrals into a Profile: total, cumulative and sampling come from a
-// CumulativeTable that is made when one of them is first asked for.
+// Turns a templated R_d(r) without a closed inverse into a Profile: sampling, and the total and the cumulative unless
+// the formula has them, come from a CumulativeTable that is made when one of them is first asked for.
 //
-// Formula<T> is built from a Medium<T> and has evaluate(r) and core_radius(). Dual: see formula_profile.h.
+// Formula<T> has evaluate(r) and core_radius(), and may have total(), cumulative(r), transmittance(r) and
+// total_transmittance(). Dual: see formula_profile.h.
 #pragma once
 
 #include "model/profiles/cumulative_table.h"
@@ -16,9 +17,8 @@ namespace opaline {
 template <template <typename> class Formula, typename Dual>
 class NumericProfile final : public Profile {
  public:
-  explicit NumericProfile(const Medium<double>& medium)
-      : formula_(medium),
-        dual_(Medium<Dual>{Dual(medium.sigma_a, 0), Dual(medium.sigma_s_prime, 1), Dual(medium.eta, 2)}) {}
+  /// The same formula, for values and with derivatives by sigma_a, sigma_s' and eta.
+  NumericProfile(Formula<double> formula, Formula<Dual> dual) : formula_(std::move(formula)), dual_(std::move(dual)) {}
 
   double evaluate(double r) const override { return formula_.evaluate(clamped(r)); }
 
@@ -27,11 +27,36 @@ class NumericProfile final : public Profile {
     return {value.a, value.v[0], value.v[1], value.v[2]};
   }
 
-  /// The quadrature's error may lift a total of 1 by 1e-9.
-  double total() const override { return std::min(table().total(), 1.0); }
-  double cumulative(double r) const override { return std::min(table().cumulative(r), 1.0); }
+  double total() const override {
+    if constexpr (requires(const Formula<double>& f) { f.total(); }) {
+      return formula_.total();
+    } else {
+      return table().total();
+    }
+  }
+  double cumulative(double r) const override {
+    if constexpr (requires(const Formula<double>& f) { f.cumulative(r); }) {
+      return std::min(formula_.cumulative(clamped(r)), formula_.total());
+    } else {
+      return std::min(table().cumulative(r), total());
+    }
+  }
   double sample(double xi) const override { return table().sample(xi); }
   double core_radius() const override { return formula_.core_radius(); }
+  double transmittance(double r) const override {
+    if constexpr (requires(const Formula<double>& f) { f.transmittance(r); }) {
+      return formula_.transmittance(clamped(r));
+    } else {
+      return 0;
+    }
+  }
+  double total_transmittance() const override {
+    if constexpr (requires(const Formula<double>& f) { f.total_transmittance(); }) {
+      return formula_.total_transmittance();
+    } else {
+      return 0;
+    }
+  }
 
  private:
   /// Beyond this r^2 overflows; every profile is 0 there.
@@ -53,7 +78,8 @@ class NumericProfile final : public Profile {
 /// The `build` of a registry row without parameters.
 template <template <typename> class Formula, typename Dual>
 std::unique_ptr<Profile> make_numeric_profile(const Medium<double>& medium, const ProfileParameters&) {
-  return std::make_unique<NumericProfile<Formula, Dual>>(medium);
+  const Medium<Dual> dual{Dual(medium.sigma_a, 0), Dual(medium.sigma_s_prime, 1), Dual(medium.eta, 2)};
+  return std::make_unique<NumericProfile<Formula, Dual>>(Formula<double>(medium), Formula<Dual>(dual));
 }
 
 }  // namespace opaline

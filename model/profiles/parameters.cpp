@@ -50,7 +50,7 @@ std::string fault(const ProfileParameter& parameter, const ParameterValue& value
            ")";
   }
   if (const auto* word = std::get_if<std::string>(&value)) {
-    if (std::ranges::find(parameter.choices, *word) != parameter.choices.end()) return {};
+    if (parameter.choices.empty() || std::ranges::find(parameter.choices, *word) != parameter.choices.end()) return {};
     return "\"" + *word + "\" is none of " + joined(parameter.choices);
   }
   if (const auto* layers = std::get_if<std::vector<Layer>>(&value)) {
@@ -101,8 +101,8 @@ ProfileParameters ProfileInfo::complete(const ProfileParameters& given) const {
     if (!wrong.empty()) fail(*this, parameter.name + ": " + wrong);
     completed[parameter.name] = value;
   }
-  for (const auto& [name, value] : given) {
-    if (!completed.contains(name)) fail(*this, "no parameter \"" + name + "\"; " + parameter_names(*this));
+  for (const auto& [key, value] : given) {
+    if (!completed.contains(key)) fail(*this, "no parameter \"" + key + "\"; " + parameter_names(*this));
   }
   return completed;
 }

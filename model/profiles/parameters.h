@@ -36,11 +36,11 @@ enum class ParameterKind { number, word, samples, layers };  ///< in the order o
 struct ProfileParameter {
   std::string name;
   ParameterKind kind = ParameterKind::number;
-  std::string unit;                        ///< "mm", "1", ...; a parameter in mm scales as lengths do
-  std::optional<ParameterValue> fallback;  ///< none: it must be given
-  double low = 0, high = 0;                ///< range of a number, both ends included
-  std::vector<std::string> choices = {};   ///< the words to choose from
-  std::string meaning;
+  std::string unit = "1";                       ///< "mm", "1", ...; a parameter in mm scales as lengths do
+  std::optional<ParameterValue> fallback = {};  ///< none: it must be given
+  double low = 0, high = 0;                     ///< range of a number, both ends included
+  std::vector<std::string> choices = {};        ///< the words to choose from; empty: the row checks it
+  std::string meaning = {};
 };
 
 /// A parameter that a row doesn't have, lacks, or whose value isn't valid: names the profile, the parameter and what is

@@ -6,7 +6,7 @@
 //   2 pi int_0^inf P r dr = exp(-sigma z)
 //
 // Templated on the scalar. z in [1e-90, 1e90] mm, sigma in [0, 1e90] 1/mm, r in [0, 1e150] mm.
-// Source: Jensen et al. 2001 for P; Mertens et al. 2003 for sampling by Newton's method.
+// Source: Jensen et al. 2001 for P; Mertens et al. 2003 for sampling by solving for the distance.
 #pragma once
 
 #include "model/conventions.h"
@@ -16,9 +16,29 @@
 
 namespace opaline {
 
-/// (1 + y) exp(-y) with y = sqrt(t), t >= 0. Smooth in t to first order (derivative -exp(-y)/2), but
+/// exp(-y) counts as 0 beyond.
+template <typename T>
+constexpr double largest_exponent = 1e4;
+
+template <typename T>
+T choose(bool condition, const T& a, const T& b) {
+  return condition ? a : b;
+}
+
+template <typename T>
+T inverse_sqrt(const T& x) {
+  using std::sqrt;
+  return 1.0 / sqrt(x);
+}
+
+template <typename T>
+T screening_of_product(const T& a, const T& b, const T& inverse_root_of_b);
+
+#include "model/profiles/pole_formula.h"
+
+/// screening_at(y) with y = sqrt(t), t >= 0. Smooth in t to first order (derivative -exp(-y)/2), but
 /// the derivative of sqrt is infinite at 0: a dual number (ceres::Jet: value `a`, gradient `v`) gets
-/// the closed form, so that gradients stay exact down to sigma_a = 0. 0 beyond y = 1e4.
+/// the closed form, so that gradients stay exact down to sigma_a = 0.
 template <typename T>
 T screening(const T& t) {
   using std::exp;
@@ -28,20 +48,16 @@ T screening(const T& t) {
                   t.v;
                 }) {
     const auto y = sqrt(t.a);
-    return y < 1e4 ? T(screening(t.a), t.v * (-0.5 * exp(-y))) : T(0.0);
+    return y < largest_exponent<T> ? T(screening(t.a), t.v * (-0.5 * exp(-y))) : T(0.0);
   } else {
-    const T y = sqrt(t);
-    return y < 1e4 ? T((1.0 + y) * exp(-y)) : T(0.0);
+    return screening_at(T(sqrt(t)));
   }
 }
 
-/// P as a function of q = r^2 and sigma^2: no square root of an argument, so smooth in both.
+/// screening(a b). Vector lanes have a shorter way, by the last argument.
 template <typename T>
-T pole_evaluate_squared(const T& q, const T& z, const T& sigma_squared) {
-  using std::sqrt;
-  const T d_squared = q + z * z;
-  // In this order neither d^3 nor its derivatives overflow.
-  return screening(T(sigma_squared * d_squared)) * (z / sqrt(d_squared)) / (2.0 * pi * d_squared);
+T screening_of_product(const T& a, const T& b, const T&) {
+  return screening(T(a * b));
 }
 
 /// 2 pi int_0^r P s ds = exp(-sigma z) - (z/d) exp(-sigma d), written with h = d - z so that every
@@ -58,32 +74,45 @@ T pole_cumulative(const T& r, const T& z, const T& sigma) {
 
 /// The distance r with pole_cumulative(r) = xi exp(-sigma z), xi in [0, 1): solve
 /// sigma z w + log(1 + w) = -log(1 - xi) for w = d/z - 1 >= 0. Relative error below 1e-14 for xi up
-/// to 1 - 2^-53 and sigma z from 0 to 1e300, as long as xi/(1 + sigma z) > 1e-300.
-inline double sample_pole(double z, double sigma, double xi) {
+/// to 1 - 2^-53 and sigma z from 0 to 1e300, as long as xi/(1 + sigma z) > 1e-300. At most 8 steps, which are added to
+/// *steps.
+inline double sample_pole(double z, double sigma, double xi, int* steps = nullptr) {
   const double target = -std::log1p(-xi);
   if (!(target > 0)) return 0;
-  // In v = log(1 + w) the equation c expm1(v) + v = target is increasing and convex, and both bounds
-  // below lie right of the root: Newton descends monotonically and keeps full relative accuracy for
-  // small xi (w ~ v) and for large.
+  // In v = log(1 + w) the function f = c expm1(v) + v - target is increasing and convex, and both starts lie right of
+  // its root; full relative accuracy is kept for small xi (w ~ v) and for large. Householder's method of fourth order:
+  // one expm1 gives all derivatives, as the second and third are the first less 1.
   const double c = sigma * z;
-  double v = std::min(target, std::log1p(target / c));
+  double v = target / (1 + c), w = 0;
+  if (v > 1) v = std::min(v, std::log1p(target / c));
   for (int i = 0; i < 8; ++i) {
-    const double w = std::expm1(v);
-    const double step = (c * w + (v - target)) / (c * w + c + 1);
+    w = std::expm1(v);
+    const double inverse_slope = 1 / (c * w + c + 1);
+    const double a = (c * w + (v - target)) * inverse_slope, ab = a * (1 - inverse_slope);
+    const double step = a * (6 - 3 * ab) / (6 - ab * (6 - a));
     v -= step;
-    if (std::abs(step) <= 1e-9 * v) break;  // quadratic: the next step is below the rounding
+    w -= (1 + w) * step * (1 - step * (0.5 - step * (1.0 / 6 - step * (1.0 / 24))));  // expm1(v), if the step is small
+    if (steps) ++*steps;
+    if (std::abs(step) <= 2e-4 * std::min(v, 1.0)) break;  // the next one would be below the rounding
   }
-  const double w = std::expm1(v);
   return z * std::sqrt(w * (w + 2));
 }
 
-/// Sampling of the sum of two poles at depths z_near <= z_far: one of them, chosen by its share of the flux,
-/// reusing xi. (Not the inverse of the summed cumulative: the result isn't monotone in xi.)
-inline double sample_pole_pair(double z_near, double z_far, double sigma, double xi) {
+/// The share of the flux that the nearer of two poles has.
+inline double near_pole_share(double z_near, double z_far, double sigma) {
+  return 1 / (1 + std::exp(-sigma * (z_far - z_near)));
+}
+
+/// Sampling of the sum of two poles at depths z_near <= z_far: one of them, chosen by its share of the flux
+/// (near_pole_share), reusing xi. (Not the inverse of the summed cumulative: the result isn't monotone in xi.)
+inline double sample_pole_pair(double z_near, double z_far, double sigma, double share, double xi,
+                               int* steps = nullptr) {
   constexpr double below_one = 1 - 0x1p-53;
-  const double share = 1 / (1 + std::exp(-sigma * (z_far - z_near)));
-  if (xi < share) return sample_pole(z_near, sigma, std::min(xi / share, below_one));
-  return sample_pole(z_far, sigma, std::min((xi - share) / (1 - share), below_one));
+  if (xi < share) return sample_pole(z_near, sigma, std::min(xi / share, below_one), steps);
+  return sample_pole(z_far, sigma, std::min((xi - share) / (1 - share), below_one), steps);
+}
+inline double sample_pole_pair(double z_near, double z_far, double sigma, double xi) {
+  return sample_pole_pair(z_near, z_far, sigma, near_pole_share(z_near, z_far, sigma), xi);
 }
 
 }  // namespace opaline

@@ -16,6 +16,7 @@
 
 #include "model/fresnel.h"
 #include "model/profiles/poles.h"
+#include "model/scalar.h"
 
 namespace opaline {
 
@@ -25,6 +26,7 @@ struct StandardDipole {
   T sigma_tr_squared;  ///< [1/mm^2]
   T sigma_tr;          ///< effective transport coefficient [1/mm]
   T z_r, z_v;          ///< depth of the real source, height of the image [mm]
+  double near_share;   ///< of the total that the real source has
 
   explicit StandardDipole(const Medium<T>& medium) {
     using std::sqrt;
@@ -34,16 +36,14 @@ struct StandardDipole {
     sigma_tr = sigma_tr_squared == 0.0 ? T(0.0) : T(sqrt(sigma_tr_squared));
     z_r = 1.0 / sigma_t_prime;
     z_v = z_r * (1.0 + 4.0 / 3.0 * dipole_boundary_a(medium.eta));
+    near_share = near_pole_share(value_of(z_r), value_of(z_v), value_of(sigma_tr));
   }
 
   /// R_d [1/mm^2] at distance r [mm].
   T evaluate(const T& r) const { return evaluate_squared(T(r * r)); }
 
   /// R_d as a function of q = r^2 [mm^2]: smooth at q = 0.
-  T evaluate_squared(const T& q) const {
-    return 0.5 * alpha_prime *
-           (pole_evaluate_squared(q, z_r, sigma_tr_squared) + pole_evaluate_squared(q, z_v, sigma_tr_squared));
-  }
+  T evaluate_squared(const T& q) const { return dipole_evaluate_squared(q, alpha_prime, z_r, z_v, sigma_tr_squared); }
 
   /// 2 pi int_0^inf R_d r dr.
   T total() const {
@@ -57,7 +57,7 @@ struct StandardDipole {
   }
 
   /// Radius with density 2 pi r R_d(r)/total() for uniform xi in [0, 1); exact, not monotone in xi.
-  double sample(double xi) const { return sample_pole_pair(z_r, z_v, sigma_tr, xi); }
+  double sample(double xi) const { return sample_pole_pair(z_r, z_v, sigma_tr, near_share, xi); }
 
   /// R_d has lost a tenth of its peak at about a quarter of this length [mm].
   T core_radius() const { return z_r; }

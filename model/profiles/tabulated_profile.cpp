@@ -104,6 +104,7 @@ std::optional<double> number(std::string_view s) {
 
 std::vector<ProfileSample> parse_profile_csv(std::string_view text) {
   std::vector<ProfileSample> samples;
+  std::vector<int> lines;
   bool header_allowed = true;
   for (int line = 1; !text.empty(); ++line) {
     const auto end = text.find('\n');
@@ -115,10 +116,16 @@ std::vector<ProfileSample> parse_profile_csv(std::string_view text) {
     const auto r = number(trimmed(row.substr(0, comma))), value = number(trimmed(row.substr(comma + 1)));
     if (r && value) {
       samples.push_back({*r, *value});
+      lines.push_back(line);
     } else if (!header_allowed) {
       throw ProfileTableError(line, "not two numbers: " + std::string(row));
     }
     header_allowed = false;
+  }
+  try {
+    check(samples);
+  } catch (const ProfileTableError& e) {
+    throw ProfileTableError(e.line > 0 ? lines[static_cast<std::size_t>(e.line) - 1] : 0, e.what());
   }
   return samples;
 }

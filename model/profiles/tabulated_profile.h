@@ -49,7 +49,8 @@ class TabulatedProfile final : public Profile {
 };
 
 /// Samples from CSV text: a line "r,R" each (mm, 1/mm^2); empty lines and lines that start with # are skipped, one
-/// header line of names is allowed. Throws ProfileTableError with the line's number.
+/// header line of names is allowed. Throws ProfileTableError with the line's number (0: of no line) for what can't be
+/// read or isn't valid for TabulatedProfile.
 std::vector<ProfileSample> parse_profile_csv(std::string_view text);
 
 }  // namespace opaline

@@ -1,5 +1,5 @@
-// Exact single scattering in a homogeneous half space under a smooth Fresnel boundary, Henyey-Greenstein phase
-// function.
+// Exact single scattering in a homogeneous half space under a smooth Fresnel boundary; phase function of Henyey &
+// Greenstein or of Schlick. Layers: layered.h.
 //
 //   single_scattering_profile   R1(r) of a normal pencil beam [1/mm^2]: exitance per unit of flux that has entered
 //   single_scattering_cumulative, _total     2 pi int_0^r R1 r dr, to infinity
@@ -26,14 +26,24 @@
 
 namespace opaline {
 
+enum class Phase { henyey_greenstein, schlick };
+
 /// A medium whose direction of scattering matters.
 ///   sigma_a, sigma_s  absorption, scattering (not reduced) [1/mm], >= 0, sum > 0
-///   g                 mean cosine of the phase function, in (-1, 1)
+///   g                 parameter of the phase function, in (-1, 1): Henyey & Greenstein's mean cosine, or Schlick's k,
+///                     for which schlick_k(g) imitates the former
 ///   eta               relative refraction index inside / outside
 template <typename T>
 struct ScatteringMedium {
   T sigma_a{}, sigma_s{}, g{}, eta{1};
+  Phase phase = Phase::henyey_greenstein;
 };
+
+/// The medium's phase function [1/sr].
+template <typename T>
+T phase_function(const ScatteringMedium<T>& m, const T& cos_theta) {
+  return m.phase == Phase::schlick ? schlick_phase(cos_theta, m.g) : henyey_greenstein(cos_theta, m.g);
+}
 
 namespace single_scattering_detail {
 
@@ -49,7 +59,7 @@ T critical_cotangent(const T& eta) {
 template <typename T>
 T escaping(const ScatteringMedium<T>& m, const T& w) {
   const T one_plus = 1.0 + w * w, mu = (w - 1.0) * (w + 1.0) / one_plus;
-  return henyey_greenstein(T(-mu), m.g) * fresnel_transmittance(mu, T(1.0 / m.eta)) * mu / one_plus;
+  return phase_function(m, T(-mu)) * fresnel_transmittance(mu, T(1.0 / m.eta)) * mu / one_plus;
 }
 
 }  // namespace single_scattering_detail
@@ -100,7 +110,7 @@ T hanrahan_krueger_brdf(const ScatteringMedium<T>& m, const T& cos_i, const T& c
   const T through = fresnel_transmittance(cos_i, m.eta) * fresnel_transmittance(cos_o, m.eta);
   const T depth = -expm1(-tau * (1.0 / mu_i + 1.0 / mu_o));
   const T albedo = m.sigma_s / (m.sigma_a + m.sigma_s);
-  return albedo * through * henyey_greenstein(cos_phase, m.g) * depth / (eta_squared * (mu_i + mu_o));
+  return albedo * through * phase_function(m, cos_phase) * depth / (eta_squared * (mu_i + mu_o));
 }
 
 }  // namespace opaline

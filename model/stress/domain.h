@@ -10,7 +10,7 @@
 
 namespace opaline {
 
-constexpr std::size_t most_inputs = 4;
+constexpr std::size_t most_inputs = 6;
 using Input = std::array<double, most_inputs>;  ///< the first axes.size() numbers count
 
 enum class Spread {

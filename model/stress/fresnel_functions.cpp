@@ -46,6 +46,12 @@ void add_phase_functions(std::vector<StressFunction>& rows) {
                                  [](const auto* x) { return henyey_greenstein(x[0], x[1]); }));
   rows.push_back(stress_function("schlick_phase", cosine_and_g(), tight_limit,
                                  [](const auto* x) { return schlick_phase(x[0], x[1]); }));
+  const Domain k{.axes = {{"k", {-0.999, -0.03, -1e-9, 0, 1e-9, 0.03, 0.999}, 1e-3, 1, Spread::signed_share}}};
+  rows.push_back(stress_function("schlick_k", k, tight_limit, [](const auto* x) { return schlick_k(x[0]); }));
+  rows.back().non_negative = false;
+  rows.push_back(
+      stress_function("schlick_mean_cosine", k, loose_limit, [](const auto* x) { return schlick_mean_cosine(x[0]); }));
+  rows.back().non_negative = false;
 }
 
 }  // namespace

@@ -41,7 +41,9 @@ struct StressFunction {
   double (*gradient_scale)(const Input& inputs, std::size_t i) = nullptr;
   bool non_negative = true;
   std::optional<Monotone> monotone = std::nullopt;
-  std::uint64_t cost = 1;  ///< divides the number of points in 100 digits
+  double unit = 1;         ///< errors and limit count in this many units of the last place of a double; 2^29 for floats
+  double dark = 1e-280;    ///< below, digits are lost to underflow: the value must be small too and isn't compared
+  std::uint64_t cost = 1;  ///< divides the number of points, and of corners, in 100 digits
 };
 
 /// A formula written once: `f` takes a pointer to its inputs, of any scalar.
@@ -102,10 +104,16 @@ Domain scattering(Domain medium);
 double medium_scale(const Input& x, std::size_t i);
 
 Axis share_axis();                       ///< xi in [0, 1)
+Axis radius_axis();                      ///< r in transport mean free paths, 0 and 1e-12 to 1e6
+Axis thickness_axis();                   ///< d likewise, 1e-6 to 1e6
 Axis eta_axis(double low, double high);  ///< with 1, 1 +- 1e-9, 0.5 and 3
 void add_fresnel_functions(std::vector<StressFunction>& rows);
 void add_profile_functions(std::vector<StressFunction>& rows);
+void add_slab_functions(std::vector<StressFunction>& rows);
+void add_single_scattering_functions(std::vector<StressFunction>& rows);
 void add_sampling_functions(std::vector<StressFunction>& rows);
+void add_registry_functions(std::vector<StressFunction>& rows);
+void add_float_functions(std::vector<StressFunction>& rows);
 
 /// All rows. They may remember their last inputs: one thread each.
 std::vector<StressFunction> stress_functions();

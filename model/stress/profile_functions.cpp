@@ -1,19 +1,16 @@
 // Poles, Yukawa terms and the profiles made of them.
 #include "model/profiles/better_dipole.h"
+#include "model/profiles/directional_normal_beam.h"
 #include "model/profiles/extended_source.h"
 #include "model/profiles/normalised_diffusion.h"
-#include "model/profiles/profile.h"
 #include "model/profiles/standard_dipole.h"
+#include "model/profiles/transport_table.h"
 #include "model/stress/function.h"
-
-#include <memory>
 
 namespace opaline {
 namespace {
 
 constexpr double eta_low = 0.3, eta_high = 3.5;
-
-Axis radius_axis() { return {"r/l", {0, 1e-12, 1, 1e6}, 1e-12, 1e6}; }
 
 Domain medium_and_radius(double low = eta_low, double high = eta_high) {
   return medium_domain(low, high, radius_axis(), "r", [](Input& x) {
@@ -85,27 +82,6 @@ void add_normalised(std::vector<StressFunction>& rows, const std::string& name) 
   rows.push_back(total_row<Profile>(name, scattering(medium_domain(eta_low, eta_high)), loose_limit));
 }
 
-/// As anyone gets it from the registry: validity alone, with a new medium now and then, since some prepare tables.
-StressFunction registry_row(const ProfileInfo& info) {
-  StressFunction row;
-  row.name = "profile " + info.name;
-  row.domain = medium_and_radius(info.domain.eta_min, info.domain.eta_max);
-  row.domain.hold = 512;
-  struct Last {
-    Medium<double> medium;
-    std::unique_ptr<Profile> profile;
-  };
-  row.value = [&info, last = std::make_shared<Last>()](const double* x) {
-    const Medium<double> m = medium_of(x);
-    const bool same = last->profile && m.sigma_a == last->medium.sigma_a &&
-                      m.sigma_s_prime == last->medium.sigma_s_prime && m.eta == last->medium.eta;
-    if (!same) *last = {m, info.make(m)};
-    return last->profile->evaluate(x[3]);
-  };
-  if (info.monotone) row.monotone = Monotone{3, false};
-  return row;
-}
-
 }  // namespace
 
 void add_profile_functions(std::vector<StressFunction>& rows) {
@@ -114,10 +90,16 @@ void add_profile_functions(std::vector<StressFunction>& rows) {
   add_dipole<BetterDipole>(rows, "better_dipole", loose_limit);
   add_normalised<SearchlightNormalisedDiffusion>(rows, "normalised_diffusion");
   add_normalised<DiffuseNormalisedDiffusion>(rows, "normalised_diffusion_diffuse");
+  rows.push_back(
+      evaluate_row<DirectionalNormalBeam>("directional_dipole", scattering(medium_and_radius()), loose_limit));
   rows.push_back(with_cost(evaluate_row<ExtendedSource>("extended_source", medium_and_radius(), loose_limit), 8));
+  rows.push_back(with_cost(cumulative_row<ExtendedSource>("extended_source", medium_and_radius(), loose_limit), 8));
+  rows.push_back(
+      with_cost(total_row<ExtendedSource>("extended_source", medium_domain(eta_low, eta_high), loose_limit), 8));
   rows.push_back(
       with_cost(evaluate_row<PhotonBeamDiffusion>("photon_beam_diffusion", medium_and_radius(), loose_limit), 8));
-  for (const ProfileInfo& info : profiles()) rows.push_back(registry_row(info));
+  const Domain table = medium_and_radius(TransportTableShape::eta_min, TransportTableShape::eta_max);
+  rows.push_back(with_cost(evaluate_row<TransportTable>("transport_table", scattering(table), loose_limit), 64));
 }
 
 }  // namespace opaline

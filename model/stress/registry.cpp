@@ -17,6 +17,10 @@ double medium_scale(const Input& x, std::size_t i) { return i < 2 ? x[0] + x[1] 
 
 Axis share_axis() { return {"xi", {0, 1e-12, 0.5, 1 - 0x1p-53}, 1e-20, 1, Spread::share}; }
 
+Axis radius_axis() { return {"r/l", {0, 1e-12, 1, 1e6}, 1e-12, 1e6}; }
+
+Axis thickness_axis() { return {"d/l", {1e-6, 1, 2, 30, 1e6}, 1e-6, 1e6}; }
+
 Axis eta_axis(double low, double high) {
   return {"eta", {0.5, 1 - 1e-9, 1, 1 + 1e-9, 3}, low, high, Spread::around_one};
 }
@@ -43,7 +47,11 @@ std::vector<StressFunction> stress_functions() {
   std::vector<StressFunction> rows;
   add_fresnel_functions(rows);
   add_profile_functions(rows);
+  add_slab_functions(rows);
+  add_single_scattering_functions(rows);
   add_sampling_functions(rows);
+  add_registry_functions(rows);
+  add_float_functions(rows);
   return rows;
 }
 

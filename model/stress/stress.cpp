@@ -54,12 +54,12 @@ bool check_value(double value, StressResult& result, const StressFunction& row, 
 
 void compare(double value, const Exact& exact, StressResult& result, const StressFunction& row, const Input& input) {
   ++result.points;
-  if (exact.size != 0 && exact.size < dark) {
+  if (exact.size != 0 && exact.size < row.dark) {
     ++result.dark;
-    if (std::abs(value) > 2 * dark) keep_worst(result.scaled, HUGE_VAL, exact.condition, row, input);
+    if (std::abs(value) > 2 * row.dark) keep_worst(result.scaled, HUGE_VAL, exact.condition, row, input);
     return;
   }
-  const double error = ulp_error(value, exact);
+  const double error = ulp_error(value, exact) / row.unit;
   keep_worst(result.plain, error, exact.condition, row, input);
   keep_worst(result.scaled, error / (1 + exact.condition), exact.condition, row, input);
 }
@@ -102,10 +102,12 @@ void check_point(const Input& axis_values, SplitMix& random, StressResult& resul
   }
 }
 
-/// Calls visit(axis values): the corners, then `count` random points.
+/// Calls visit(axis values): every `stride`-th corner from a random one, then `count` random points.
 template <typename Visit>
-void visit_points(const StressFunction& row, std::uint64_t count, SplitMix& random, const Visit& visit) {
-  for (const Input& corner : corner_points(row.domain)) visit(corner);
+void visit_points(const StressFunction& row, std::uint64_t count, SplitMix& random, const Visit& visit,
+                  std::uint64_t stride = 1) {
+  const std::vector<Input> corners = corner_points(row.domain);
+  for (std::size_t i = stride > 1 ? random() % stride : 0; i < corners.size(); i += stride) visit(corners[i]);
   Input point{};
   for (std::uint64_t i = 0; i < count; ++i) {
     point = random_point(row.domain, random, point, i % row.domain.hold != 0);
@@ -113,17 +115,25 @@ void visit_points(const StressFunction& row, std::uint64_t count, SplitMix& rand
   }
 }
 
+/// A costly row leaves out corners when few points are asked for.
+std::uint64_t corner_stride(const StressFunction& row, const StressOptions& options) {
+  return std::max<std::uint64_t>(1, 64 * row.cost / std::max<std::uint64_t>(64, options.points));
+}
+
 StressResult stress_values(const StressFunction& row, const StressOptions& options, std::uint64_t seed) {
   StressResult result = empty_result(row, false);
   SplitMix random{seed};
   visit_points(row, options.count, random, [&](const Input& point) { check_point(point, random, result, row); });
   if (!row.reference) return result;
-  visit_points(row, options.points / row.cost, random, [&](const Input& point) {
-    const Input input = row.domain.inputs_at(point);
-    if (!row.domain.contains(input)) return;
-    const double value = row.value(input.data());
-    if (std::isfinite(value)) compare(value, exact_value(row, input), result, row, input);
-  });
+  visit_points(
+      row, options.points / row.cost, random,
+      [&](const Input& point) {
+        const Input input = row.domain.inputs_at(point);
+        if (!row.domain.contains(input)) return;
+        const double value = row.value(input.data());
+        if (std::isfinite(value)) compare(value, exact_value(row, input), result, row, input);
+      },
+      corner_stride(row, options));
   return result;
 }
 
@@ -140,11 +150,14 @@ void stress_gradient(const Input& input, StressResult& result, const StressFunct
 StressResult stress_derivatives(const StressFunction& row, const StressOptions& options, std::uint64_t seed) {
   StressResult result = empty_result(row, true);
   SplitMix random{seed};
-  visit_points(row, options.points / row.cost / 8, random, [&](const Input& point) {
-    const Input input = row.domain.inputs_at(point);
-    const bool valid = row.gradient_valid == nullptr || row.gradient_valid(input);
-    if (valid && row.domain.contains(input)) stress_gradient(input, result, row);
-  });
+  visit_points(
+      row, options.points / row.cost / 8, random,
+      [&](const Input& point) {
+        const Input input = row.domain.inputs_at(point);
+        const bool valid = row.gradient_valid == nullptr || row.gradient_valid(input);
+        if (valid && row.domain.contains(input)) stress_gradient(input, result, row);
+      },
+      corner_stride(row, options));
   return result;
 }
 

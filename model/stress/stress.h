@@ -6,8 +6,9 @@
 // in 100 digits; where one is what is left over from terms of the size of f over the input's scale, in ULP of that.
 // Beyond that every value must be finite, and non-negative and monotone where the function is.
 //
-// To add a function: one row in fresnel_functions.cpp, profile_functions.cpp or sampling_functions.cpp. A profile of
-// the registry gets a row of validity checks by itself.
+// To add a function: one row in fresnel_functions.cpp, profile_functions.cpp, sampling_functions.cpp or, for a path in
+// floats, whose errors count in units of a float's last place, float_functions.cpp. A profile of the registry gets a row
+// of validity checks by itself.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +19,7 @@ namespace opaline {
 
 struct StressOptions {
   std::uint64_t count = 100000;  ///< random inputs in double per function, for the invalid values
-  std::uint64_t points = 1500;   ///< random inputs in 100 digits per function; beside them every combination of corners
+  std::uint64_t points = 1500;   ///< random inputs in 100 digits per function; beside them the combinations of corners
   std::uint64_t seed = 1;        ///< same seed, same result, for any number of threads
   int threads = 0;               ///< 0: one per processor
   std::string only;              ///< functions whose name contains this; empty: all

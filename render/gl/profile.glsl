@@ -1,12 +1,12 @@
-// R_d of up to three profiles at a squared distance [mm^2]: see profile_texture.h.
+// Up to three profiles R_d at a squared distance [mm^2], and how steeply they change as an inverse length [1/mm]: see
+// profile_texture.h. The bits of a float are nearly its logarithm, and cost nothing.
 uniform sampler1D profile_texture;
-uniform vec3 profile_map;
+uniform vec2 profile_map;  // offset; per bit
+uniform int profile_first;
 
-vec3 profile(float r2) {
-  return textureLod(profile_texture, profile_map.y * log2(r2 + profile_map.x) + profile_map.z, 0.0).rgb;
+vec4 profile_texel(float r2) {
+  float at = float(floatBitsToInt(r2 + profile_map.x) - profile_first) * profile_map.y;
+  return textureLod(profile_texture, at + 0.5 / 4096.0, 0.0);
 }
-
-// How steeply the profiles change there, as an inverse length [1/mm].
-float profile_scale(float r2) {
-  return textureLod(profile_texture, profile_map.y * log2(r2 + profile_map.x) + profile_map.z, 0.0).a;
-}
+vec3 profile(float r2) { return profile_texel(r2).rgb; }
+float profile_scale(float r2) { return profile_texel(r2).a; }

@@ -8,7 +8,7 @@
 namespace opaline::gl {
 
 /// R of the distinct profiles of a material in R, G and B of one texture, their inverse scale in A (see
-/// ChannelProfiles::inverse_scale), linear in log2(r^2 + core^2 / 4).
+/// ChannelProfiles::inverse_scale), at equal steps of the bits of the float r^2 + core^2 / 4, interpolated linearly.
 /// Error of the interpolation: below 1e-4 of R where R falls no faster than r^-10; beyond r_max R(r_max).
 class ProfileTexture {
  public:
@@ -17,7 +17,8 @@ class ProfileTexture {
   void bind(const Program& program, int unit) const;
 
  private:
-  glm::vec3 map_;  ///< offset; scale and shift from log2 to the texture's coordinate
+  glm::vec2 map_{0};  ///< offset; texture coordinate per bit
+  int first_ = 0;     ///< bits of the offset
   Texture1D texture_;
 };
 

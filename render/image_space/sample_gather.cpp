@@ -5,32 +5,19 @@
 #include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
+#include "model/profile_table_kernel.h"
+
 HWY_BEFORE_NAMESPACE();
 namespace opaline::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
 
-using D = hn::ScalableTag<float>;
-using V = hn::Vec<D>;
+using D = TableTag;
+using V = TableVector;
 using Mask = hn::Mask<D>;
 using Index = hn::Vec<hn::RebindToSigned<D>>;
 constexpr D d;
 constexpr hn::RebindToSigned<D> di;
 
 HWY_INLINE V set(float x) { return hn::Set(d, x); }
-
-/// ProfileTable::View for a vector of squared distances: the same bits, the same cubic.
-HWY_INLINE V look_up(const ProfileTable::View& table, V r2) {
-  const Index bits = hn::BitCast(di, hn::Add(r2, set(table.offset)));
-  const Index segment =
-      hn::Min(hn::Sub(hn::ShiftRight<ProfileTable::segment_shift>(bits), hn::Set(di, table.first_segment)),
-              hn::Set(di, table.last_segment));
-  const Index mask = hn::Set(di, (1 << ProfileTable::segment_shift) - 1);
-  const V f = hn::Mul(hn::ConvertTo(d, hn::And(bits, mask)), set(1.0f / (1 << ProfileTable::segment_shift)));
-  const Index at = hn::ShiftLeft<2>(segment);
-  const V c0 = hn::GatherIndex(d, table.coefficients, at), c1 = hn::GatherIndex(d, table.coefficients + 1, at),
-          c2 = hn::GatherIndex(d, table.coefficients + 2, at), c3 = hn::GatherIndex(d, table.coefficients + 3, at);
-  return hn::MulAdd(hn::MulAdd(hn::MulAdd(c3, f, c2), f, c1), f, c0);
-}
 
 /// Approximate reciprocals, refined once by Newton's method to single precision.
 HWY_INLINE V reciprocal(V x) {
@@ -129,13 +116,36 @@ HWY_INLINE Found project(const IrradianceMap& map, const LocalPoint& x, V u, V v
   return f;
 }
 
-/// Density of the sets on the tangent plane at squared distance r2.
-HWY_INLINE V plane_density(const SampleGather& g, V r2) {
-  V sum = hn::IfThenElseZero(hn::Lt(r2, set(g.density.disc_squared)), set(g.density.on_disc));
-  for (int t = 0; t < g.profiles.table_count; ++t)
-    sum = hn::MulAdd(set(g.density.per_table[t]), look_up(g.profiles.tables[t]->view(), r2), sum);
-  return sum;
-}
+/// A gather with the way its tables are looked up.
+template <class Lookup>
+struct Reader {
+  const SampleGather& g;
+  const Lookup& lookup;
+  typename Lookup::Table tables[3];  ///< the distinct profiles
+
+  Reader(const SampleGather& gather, const Lookup& way) : g(gather), lookup(way) {
+    for (int t = 0; t < g.profiles.table_count; ++t) tables[t] = typename Lookup::Table(*g.profiles.tables[t], t);
+  }
+
+  template <int Tables>
+  HWY_INLINE void values(const typename Lookup::Table* which, V r2, V (&value)[Tables]) const {
+    const typename Lookup::Place place[1] = {lookup.place(r2)};
+    V found[1][Tables];
+    lookup.values(which, place, found);
+    for (int t = 0; t < Tables; ++t) value[t] = found[0][t];
+  }
+
+  /// Density of the sets on the tangent plane at squared distance r2.
+  HWY_INLINE V plane_density(V r2) const {
+    V sum = hn::IfThenElseZero(hn::Lt(r2, set(g.density.disc_squared)), set(g.density.on_disc));
+    for (int t = 0; t < g.profiles.table_count; ++t) {
+      V value[1];
+      values(tables + t, r2, value);
+      sum = hn::MulAdd(set(g.density.per_table[t]), value[0], sum);
+    }
+    return sum;
+  }
+};
 
 /// Outward normal of a texel's plane at its point p, in the view's coordinates. Its length is |m| of the plane
 /// m . p = 1 (perspective), or the secant of its slope (orthographic).
@@ -148,7 +158,8 @@ HWY_INLINE Vec3 texel_normal(const Projection& view, const Texel& texel, const V
 }
 
 /// D_v: area density on the surface with which a view's samples meet p, whose texel there is given.
-HWY_INLINE V area_density(const SampleGather& g, const IrradianceMap& map, const LocalPoint& x, const Vec3& p,
+template <class Lookup>
+HWY_INLINE V area_density(const Reader<Lookup>& reader, const IrradianceMap& map, const LocalPoint& x, const Vec3& p,
                           const Texel& texel) {
   const Vec3 n = broadcast(x.normal), origin = broadcast(x.position), m = texel_normal(map.projection, texel, p);
   const V steepness = hn::Sqrt(dot(m, m));
@@ -168,8 +179,8 @@ HWY_INLINE V area_density(const SampleGather& g, const IrradianceMap& map, const
     per_j = hn::Div(set(1 / std::abs(nz)), steepness);
   }
   const Vec3 offset = sub(t, origin);
-  const V density = plane_density(g, hn::Min(dot(offset, offset), set(1e30f)));
-  return hn::IfThenElseZero(meets, g.jacobian ? hn::Mul(density, per_j) : density);
+  const V density = reader.plane_density(hn::Min(dot(offset, offset), set(1e30f)));
+  return hn::IfThenElseZero(meets, reader.g.jacobian ? hn::Mul(density, per_j) : density);
 }
 
 /// Columns of a matrix times a vector.
@@ -181,7 +192,8 @@ HWY_INLINE Vec3 turned(const glm::mat3& m, const Vec3& v) {
 }
 
 /// D of another view for a point p of this one with an outward normal: 0 where the other doesn't see it.
-HWY_INLINE V other_density(const SampleGather& g, const IrradianceMap& from, const IrradianceMap& to,
+template <class Lookup>
+HWY_INLINE V other_density(const Reader<Lookup>& reader, const IrradianceMap& from, const IrradianceMap& to,
                            const LocalPoint& x, const Vec3& p, const Vec3& normal) {
   const Projection &a = from.projection, &b = to.projection;
   const glm::mat3 turn(b.to_camera * glm::transpose(a.to_camera));
@@ -200,7 +212,7 @@ HWY_INLINE V other_density(const SampleGather& g, const IrradianceMap& from, con
   const V width = hn::Mul(hn::Abs(per_z), set(1 / b.scale));
   const V allowed = hn::Add(hn::Add(hn::Abs(texel.sx), hn::Abs(texel.sy)), width);
   seen = hn::And(seen, hn::Le(hn::Abs(hn::Sub(depth, texel.depth)), allowed));
-  return hn::IfThenElseZero(seen, area_density(g, to, x, q, texel));
+  return hn::IfThenElseZero(seen, area_density(reader, to, x, q, texel));
 }
 
 /// The surface point in the middle of the texel that was found: one that the view really saw. (A plane is far off the
@@ -214,28 +226,31 @@ HWY_INLINE Vec3 texel_centre(const Projection& view, const Found& f) {
 }
 
 /// Share of this view in what it found, over all views.
-HWY_INLINE V view_weight(const SampleGather& g, std::size_t own, const LocalPoint* locals, const Found& f) {
+template <class Lookup>
+HWY_INLINE V view_weight(const Reader<Lookup>& reader, std::size_t own, const LocalPoint* locals, const Found& f) {
+  const SampleGather& g = reader.g;
   const Vec3 p = texel_centre(g.views[own].projection, f), normal = texel_normal(g.views[own].projection, f.texel, p);
-  const V mine = area_density(g, g.views[own], locals[own], p, f.texel);
+  const V mine = area_density(reader, g.views[own], locals[own], p, f.texel);
   V sum = mine;
   for (std::size_t o = 0; o < g.views.size(); ++o)
     if (o != own && g.views[o].lit)
-      sum = hn::Add(sum, other_density(g, g.views[own], g.views[o], locals[o], p, normal));
+      sum = hn::Add(sum, other_density(reader, g.views[own], g.views[o], locals[o], p, normal));
   return hn::IfThenElse(hn::Gt(sum, set(0)), hn::Div(mine, hn::Max(sum, set(1e-37f))), set(0));
 }
 
 HWY_INLINE float total(V sum) { return hn::GetLane(hn::SumOfLanes(d, sum)); }
 
 /// Tables: distinct profiles against one irradiance channel; 0: three channels, each with its table.
-template <bool Perspective, int Tables>
-HWY_INLINE void gather_view(const SampleGather& g, const SampleSet& set_of, std::size_t view, const LocalPoint* locals,
-                            GatherResult& result) {
+template <bool Perspective, int Tables, class Lookup>
+HWY_INLINE void gather_view(const Reader<Lookup>& reader, const SampleSet& set_of, std::size_t view,
+                            const LocalPoint* locals, GatherResult& result) {
   constexpr int sums = Tables == 0 ? 3 : Tables;
+  const SampleGather& g = reader.g;
   const IrradianceMap& map = g.views[view];
   const LocalPoint& x = locals[view];
   const Vec3 origin = broadcast(x.position);
-  ProfileTable::View tables[sums];
-  for (int s = 0; s < sums; ++s) tables[s] = g.profiles.tables[Tables == 0 ? g.profiles.table_of[s] : s]->view();
+  typename Lookup::Table tables[sums];
+  for (int s = 0; s < sums; ++s) tables[s] = reader.tables[Tables == 0 ? g.profiles.table_of[s] : s];
   V sum[sums], valid[3] = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
   for (int s = 0; s < sums; ++s) sum[s] = hn::Zero(d);
   for (std::size_t i = 0; i < set_of.count; i += hn::Lanes(d)) {
@@ -258,34 +273,39 @@ HWY_INLINE void gather_view(const SampleGather& g, const SampleSet& set_of, std:
     const Vec3 offset = sub(f.p, origin);
     const V r2 = hn::IfThenElseZero(lit, dot(offset, offset));
     V factor = hn::IfThenElseZero(lit, hn::Mul(weight, f.per_g));
-    if (g.views.size() > 1) factor = hn::IfThenElseZero(lit, hn::Mul(factor, view_weight(g, view, locals, f)));
-    for (int s = 0; s < sums; ++s) sum[s] = hn::MulAdd(hn::Mul(factor, light[s]), look_up(tables[s], r2), sum[s]);
+    if (g.views.size() > 1) factor = hn::IfThenElseZero(lit, hn::Mul(factor, view_weight(reader, view, locals, f)));
+    V profile[sums];
+    reader.values(tables, r2, profile);
+    for (int s = 0; s < sums; ++s) sum[s] = hn::MulAdd(hn::Mul(factor, light[s]), profile[s], sum[s]);
   }
   for (int s = 0; s < sums; ++s) result.sums[s] += total(sum[s]);
   for (int t = 0; t < g.profiles.table_count && g.count_valid; ++t) result.valid[t] += total(valid[t]);
 }
 
-template <int Tables>
-HWY_INLINE void gather_views(const SampleGather& g, const SampleSet& set_of, const glm::vec3& position,
-                             const glm::vec3& normal, GatherResult& result) {
-  LocalPoint locals[SampleGather::max_views];
-  for (std::size_t v = 0; v < g.views.size(); ++v)
-    if (g.views[v].lit) locals[v] = local_point(g.views[v].projection, g, position, normal);
-  for (std::size_t v = 0; v < g.views.size(); ++v) {
-    if (!g.views[v].lit) continue;
-    if (g.views[v].projection.perspective)
-      gather_view<true, Tables>(g, set_of, v, locals, result);
+template <int Tables, class Lookup>
+HWY_INLINE void gather_views(const Reader<Lookup>& reader, const SampleSet& set_of, const LocalPoint* locals,
+                             GatherResult& result) {
+  for (std::size_t v = 0; v < reader.g.views.size(); ++v) {
+    if (!reader.g.views[v].lit) continue;
+    if (reader.g.views[v].projection.perspective)
+      gather_view<true, Tables>(reader, set_of, v, locals, result);
     else
-      gather_view<false, Tables>(g, set_of, v, locals, result);
+      gather_view<false, Tables>(reader, set_of, v, locals, result);
   }
 }
 
 void gather_samples(const SampleGather& g, const SampleSet& set_of, const glm::vec3& position, const glm::vec3& normal,
                     GatherResult& result) {
-  if (g.views[0].channels == 3) return gather_views<0>(g, set_of, position, normal, result);
-  if (g.profiles.table_count == 1) return gather_views<1>(g, set_of, position, normal, result);
-  if (g.profiles.table_count == 2) return gather_views<2>(g, set_of, position, normal, result);
-  gather_views<3>(g, set_of, position, normal, result);
+  LocalPoint locals[SampleGather::max_views];
+  for (std::size_t v = 0; v < g.views.size(); ++v)
+    if (g.views[v].lit) locals[v] = local_point(g.views[v].projection, g, position, normal);
+  with_lookup(g.profiles.tables, g.profiles.table_count, [&]<class Lookup>(const Lookup& lookup) HWY_ATTR {
+    const Reader<Lookup> reader(g, lookup);
+    if (g.views[0].channels == 3) return gather_views<0>(reader, set_of, locals, result);
+    if (g.profiles.table_count == 1) return gather_views<1>(reader, set_of, locals, result);
+    if (g.profiles.table_count == 2) return gather_views<2>(reader, set_of, locals, result);
+    gather_views<3>(reader, set_of, locals, result);
+  });
 }
 
 }  // namespace opaline::HWY_NAMESPACE

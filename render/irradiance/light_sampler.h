@@ -34,6 +34,10 @@ class LightSampler {
       }
     }
   }
+  /// One direction of one light, by a random number.
+  LightSample sample(std::size_t light, const glm::vec3& point, std::uint64_t random) const {
+    return draw(light, point, random, 0, 1);
+  }
   /// If every light has the same colour up to a factor: that colour, its largest channel 1. The
   /// three channels of the irradiance are then one field times this colour.
   bool single_colour(Rgb& colour) const;

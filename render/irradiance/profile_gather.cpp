@@ -1,6 +1,7 @@
 #include "render/irradiance/profile_gather.h"
 
 #include "model/check.h"
+#include "render/irradiance/all_pairs.h"
 
 #include <cmath>
 
@@ -155,7 +156,7 @@ ChannelProfiles::ChannelProfiles(const ProfileInfo& info, const Material& materi
   tables_.reserve(owner.size());
   for (const int c : owner) {
     const Profile& p = profile(c);
-    tables_.emplace_back([&p](double r) { return p.evaluate(r); }, std::min(p.core_radius(), r_max), r_max);
+    tables_.emplace_back([&p](double r) { return p.evaluate(r); }, core, r_max);  // one core: same segments
     sum_.tables[tables_.size() - 1] = &tables_.back();
   }
   inverse_scale_ = ProfileTable(
@@ -188,7 +189,8 @@ std::vector<glm::vec3> gather_exitance(const ClusterTree& tree, const SurfaceCel
                                    clusters,
                                    profiles.core_radius() * profiles.core_radius(),
                                    dark_level(tree)};
-    counts = run(tree, cells, profiles, points, criterion, 64, sums);
+    counts = clusters ? run(tree, cells, profiles, points, criterion, 64, sums)
+                      : sum_all_pairs(tree, cells, profiles.sum(), points, criterion, 4 * profiles.core_radius(), sums);
   }
   count(counts, tree, profiles, points.size(), counters);
   std::vector<glm::vec3> exitance(points.size());

@@ -36,7 +36,7 @@ struct GatherSettings {
   enum class Criterion {
     error,        ///< estimated error against max_relative_error
     solid_angle,  ///< Jensen & Buhler 2002: area / distance^2 < quality, point clusters, no near field
-    none,         ///< no clusters at all: every cell is summed
+    none,         ///< no clusters at all: every cell is summed (all_pairs.h); max_relative_error is the cell_error
   };
   Criterion criterion = Criterion::error;
   double max_relative_error = 1e-3;  ///< of B, or of 1e-3 of the mean lit irradiance where B is darker

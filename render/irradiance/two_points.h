@@ -20,6 +20,17 @@ struct TwoPoints {
   V near, far, spread;  ///< q0 - s (>= 0), q0 + s, s [mm^2]
 };
 
+/// Square root by one Newton step, relative error below 5e-7; 0 below 1e-36. A true one takes longer than all the rest.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V fast_sqrt(D d, V x) {
+#if HWY_TARGET == HWY_SCALAR  // its guess has eight bits only
+  return hn::Sqrt(hn::Max(x, hn::Zero(d)));
+#endif
+  const V y = hn::Max(x, hn::Set(d, 1e-36f)), guess = hn::ApproximateReciprocalSqrt(y), root = hn::Mul(y, guess);
+  const V corrected = hn::Mul(root, hn::NegMulAdd(hn::Mul(root, guess), hn::Set(d, 0.5f), hn::Set(d, 1.5f)));
+  return hn::IfThenElseZero(hn::Gt(x, hn::Set(d, 1e-36f)), corrected);
+}
+
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE TwoPoints<V> two_points(D d, const PatchList& patches, std::size_t i, const glm::vec3& position) {
   TwoPoints<V> r;
@@ -36,7 +47,7 @@ HWY_INLINE TwoPoints<V> two_points(D d, const PatchList& patches, std::size_t i,
   const V along_y = hn::MulAdd(yy, hn::Mul(r.dy, r.dy), hn::Mul(y2, hn::Mul(yz, r.dz)));
   const V along = hn::Add(hn::Add(along_x, along_y), hn::Mul(zz, hn::Mul(r.dz, r.dz)));
   const V variance = hn::MulAdd(hn::Set(d, 4.0f), along, hn::Mul(trace, hn::Mul(trace, hn::Set(d, 1.0f / 3))));
-  r.spread = hn::Sqrt(hn::Max(variance, hn::Zero(d)));
+  r.spread = fast_sqrt(d, variance);
   const V middle = hn::Add(hn::MulAdd(r.dx, r.dx, hn::MulAdd(r.dy, r.dy, hn::Mul(r.dz, r.dz))), trace);
   r.near = hn::Max(hn::Sub(middle, r.spread), hn::Zero(d));
   r.far = hn::Add(middle, r.spread);

@@ -44,7 +44,7 @@ void main() {
     vec3 place = texelFetch(sample_places, ivec2(i, row), 0).xyz;
     vec3 t = x + place.x * tangent + place.y * bitangent;
     if (perspective && t.z <= 1e-6) continue;
-    vec2 slope = perspective ? t.xy / t.z : t.xy;
+    vec2 slope = perspective ? t.xy * (1.0 / t.z) : t.xy;
     vec2 at = vec2(film.y + film.x * slope.x, film.z - film.x * slope.y);
     if (any(lessThan(at, vec2(0))) || any(greaterThanEqual(at, vec2(size)))) continue;
     ivec2 pixel = ivec2(at);
@@ -55,7 +55,7 @@ void main() {
     if (coloured) light.yz = texelFetch(more_light, pixel, 0).xy;
     if (max(light.x, max(light.y, light.z)) <= 0.0) continue;
     float depth = texel.x + dot(texel.yz, at - vec2(pixel) - 0.5);
-    vec3 p = perspective ? vec3(slope, 1.0) / depth : vec3(slope, depth);
+    vec3 p = perspective ? vec3(slope, 1.0) * (1.0 / depth) : vec3(slope, depth);
     float per_d = inversesqrt(dot(t, t));
     float per_g = !jacobian ? 1.0 : facing * (perspective ? per_d * per_d * per_d : 1.0);
     vec3 r = profile(dot(p - x, p - x));

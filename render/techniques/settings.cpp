@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 
 namespace opaline {
 namespace {
@@ -21,8 +22,11 @@ void validate(const SettingSpec& spec, const std::string& value) {
   }
   double number = 0;
   const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-  if (error != std::errc() || end != value.data() + value.size() || !(number >= spec.lo && number <= spec.hi))
-    throw InputError(place, "", fmt::format("'{}' is not a number from {} to {}", value, spec.lo, spec.hi));
+  if (error != std::errc() || end != value.data() + value.size() || !(number >= spec.lo && number <= spec.hi) ||
+      (spec.whole && number != std::floor(number)))
+    throw InputError(
+        place, "",
+        fmt::format("'{}' is not a {} from {} to {}", value, spec.whole ? "whole number" : "number", spec.lo, spec.hi));
 }
 
 }  // namespace

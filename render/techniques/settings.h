@@ -11,6 +11,7 @@ struct SettingSpec {
   std::string key, fallback, meaning;
   std::vector<std::string> choices;  ///< a word out of these; empty: a number in [lo, hi]
   double lo = 0, hi = 0;
+  bool whole = false;  ///< the number must be an integer
 };
 
 /// Every declared key has a valid value.

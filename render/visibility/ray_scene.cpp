@@ -66,9 +66,10 @@ RayScene::RayScene(const Scene& scene) : handles_(std::make_unique<Handles>()) {
 
 RayScene::~RayScene() = default;
 
-SurfaceHit RayScene::closest(const glm::vec3& origin, const glm::vec3& direction) const {
+SurfaceHit RayScene::closest(const glm::vec3& origin, const glm::vec3& direction, float near) const {
   RTCRayHit query{};
   query.ray = make_ray(origin, direction, std::numeric_limits<float>::infinity());
+  query.ray.tnear = near;
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   RTCIntersectContext context;
   rtcInitIntersectContext(&context);

@@ -24,7 +24,8 @@ class RayScene {
   RayScene(const RayScene&) = delete;
   RayScene& operator=(const RayScene&) = delete;
 
-  SurfaceHit closest(const glm::vec3& origin, const glm::vec3& direction) const;
+  /// The first hit at a distance of at least `near`.
+  SurfaceHit closest(const glm::vec3& origin, const glm::vec3& direction, float near = 0) const;
   /// Is anything between the origin and `distance` along the unit direction?
   bool occluded(const glm::vec3& origin, const glm::vec3& direction, float distance) const;
   /// How far to move a ray's origin off its surface [mm]: 1e-5 of the scene's diagonal.

@@ -72,8 +72,10 @@ constexpr const char* fast_render = "render scene.json --technique hierarchical 
 
 TEST_F(Cli, HelpOfEveryCommandHasAnExample) {
   std::map<std::string, std::future<Ending>> endings;  // starting up takes longest: side by side
-  for (const std::string command : {"profile", "material", "material list", "material show", "dataset", "dataset list",
-                                    "dataset make", "render", "compare", "fit"})
+  for (const std::string command :
+       {"profile", "profile list", "material", "material list", "material show", "dataset", "dataset list",
+        "dataset make", "render", "compare", "fit", "transport", "transport walk", "transport table",
+        "transport errors"})
     endings[command] = std::async(std::launch::async, [this, command] { return run(command + " --help"); });
   for (auto& [command, ending] : endings) {
     SCOPED_TRACE(command);
@@ -125,6 +127,43 @@ TEST_F(Cli, RefusesWrongArgumentsBeforeAnyWork) {
   expect_wrong("dataset make slab_uniform --out scene.json", {"scene.json", "is a file"});
 }
 
+TEST_F(Cli, ProfilesAreComparedAndTabulated) {
+  const std::string medium = " --sigma-a 0.1 --sigma-s-prime 1 --eta 1.3 --r 0:4:2 ";
+  const json one = json::parse(run("profile --json" + medium).out);
+  EXPECT_EQ(one["model"], "standard_dipole");
+  EXPECT_EQ(one["channels"][0]["r"], (std::vector<double>{0, 2, 4}));
+  EXPECT_EQ(one["channels"][0]["R"].size(), 3u);
+  EXPECT_GT(one["channels"][0]["total"], one["channels"][0]["cumulative"][2]);
+
+  const Ending two = run("profile --json --model standard_dipole --model multipole --set thickness_mm=1" + medium);
+  const json models = json::parse(two.out)["models"];
+  EXPECT_THAT(two.err, AllOf(HasSubstr("outside the domain of multipole"), HasSubstr("1.1 transport mean free paths")));
+  EXPECT_EQ(models[0]["channels"], one["channels"]);
+  EXPECT_EQ(models[1]["channels"][0]["T"].size(), 3u);
+  EXPECT_NE(models[1]["against_standard_dipole"][0]["mean_abs_log_ratio"], 0);
+
+  const Ending stack = run("profile --model layered --all --layer 0.01,1,1.4,3 --layer 0.1,2,1.4,inf --r 0:4:2");
+  EXPECT_EQ(stack.out.rfind("r_mm,R_per_mm2,cumulative,T_per_mm2\n0,", 0), 0u) << stack.out;
+  folder_.write("measured.csv", "r,R\n0.1,2\n0.2,1\n0.5,0.1\n");
+  const Ending measured = run("profile --model tabulated --set samples=measured.csv --r 0.1:0.5:0.4");
+  EXPECT_EQ(measured.out, "r_mm,R_per_mm2\n0.1,2\n0.5,0.1\n");
+  const json list = json::parse(run("profile list --json").out);
+  EXPECT_GE(list.size(), 11u);
+  for (const json& row : list) EXPECT_NE(row["citation"], "");
+}
+
+TEST_F(Cli, WrongProfileParametersAreNamed) {
+  folder_.write("bad.csv", "r,R\n0.1,2\n0.2,1\n\n0.3,-1\n");
+  expect_wrong("profile --model tabulated --set samples=bad.csv", {"bad.csv: line 5", "R must be positive"});
+  expect_wrong("profile --model tabulated --set samples=none.csv", {"none.csv"});
+  expect_wrong("profile --model tabulated", {"tabulated", "needs samples"});
+  expect_wrong("profile --model multipole --material skin1 --set thick=1", {"thick", "thickness_mm", "index_below"});
+  expect_wrong("profile --model multipole --material skin1 --set thickness_mm=0", {"thickness_mm", "1e-60"});
+  expect_wrong("profile --model layered --layer 1,2", {"1,2", "sigma_a,sigma_s_prime,eta,thickness_mm"});
+  expect_wrong("profile --model layered --layer 1,2,1.3,inf --layer 1,2,1.3,inf", {"thickness_mm"});
+  expect_wrong("profile --model layers --material skin1", {"layers", "layered"});
+}
+
 TEST_F(Cli, RendersWithStats) {
   const Ending e = run(std::string(fast_render) + "a.exr --png a.png --stats s.json --set max_relative_error=1e-2");
   ASSERT_EQ(e.status, 0) << e.err;
@@ -148,6 +187,32 @@ TEST_F(Cli, RendersWithStats) {
     sum += stats.at("seconds").at(stage).get<double>();
   }
   EXPECT_GE(stats.at("seconds").at("total"), sum);
+}
+
+TEST_F(Cli, APathTracedPictureHasAVarianceLayerAndCompares) {
+  const std::string trace = "render scene.json --technique path_traced --set paths=4 --out ";
+  const Ending e = run(trace + "a.exr --png a.png --stats s.json --seed 3");
+  ASSERT_EQ(e.status, 0) << e.err;
+  const Image image = read_image(folder_.file("a.exr"));
+  const int variance = image.channel("variance.G");
+  ASSERT_GE(variance, 0);
+  EXPECT_GT(image.at(8, 8, image.channel("G")), 0);
+  EXPECT_GT(image.at(8, 8, variance), 0);
+  EXPECT_EQ(image.at(0, 0, variance), 0);
+  const json stats = json::parse(content(folder_.file("s.json")));
+  EXPECT_EQ(stats.at("settings").at("paths"), 4);
+  EXPECT_GT(stats.at("counters").at("done").at("scatterings"), 0);
+  ASSERT_EQ(run(trace + "b.exr --seed 3 --threads 1").status, 0);
+  EXPECT_EQ(run("compare a.exr b.exr --max-rmse 0").status, 0);
+  ASSERT_EQ(run(trace + "c.exr --seed 4").status, 0);
+  EXPECT_EQ(run("compare c.exr b.exr --max-rmse 0").status, 1);
+  expect_wrong("render scene.json --technique path_traced --out a.exr --set paths=1.5",
+               {"paths", "1.5", "whole number"});
+  folder_.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n");
+  json open = test::valid_document();
+  open["objects"] = {{{"mesh", "open.obj"}, {"material", "m1"}}};
+  folder_.write("open.json", open.dump());
+  expect_wrong("render open.json --technique path_traced --out a.exr", {"open.json", "not closed"});
 }
 
 TEST_F(Cli, ThreadsDoNotChangeAPixelAndExitLobesDifferByAConstant) {
@@ -226,6 +291,24 @@ TEST_F(Cli, ListsRecipesAndTechniques) {
   const Ending e = run("render --list");
   EXPECT_EQ(e.status, 0);
   EXPECT_THAT(e.out, AllOf(HasSubstr("brute_force"), HasSubstr("Jensen"), HasSubstr("max_relative_error=1e-3")));
+}
+
+TEST_F(Cli, WalksAndComparesModelsWithTransport) {
+  const std::string medium = "--sigma-a 0.1 --sigma-s-prime 0.9 --eta 1.5 --walks 200000 --r 0:2:1";
+  const json walk = json::parse(run("transport walk " + medium).out);
+  const json reflected = walk.at("reflected");
+  // Giovanelli's half space, per flux that has entered (science notes B.1).
+  const double error = reflected.at("standard_error");
+  EXPECT_LT(std::abs(reflected.at("value").get<double>() - .229082), 4 * error);
+  EXPECT_LT(error, 2e-3);
+  EXPECT_EQ(walk.at("reflectance").size(), 2u);
+  const json slab = json::parse(run("transport walk --thickness 1 " + medium).out);
+  EXPECT_GT(slab.at("transmitted").at("value").get<double>(), .1);
+  const Ending errors = run("transport errors");
+  EXPECT_THAT(errors.out, AllOf(HasSubstr("| standard_dipole | "), HasSubstr("eta 1.5"), HasSubstr("| 0.999 |")));
+  expect_wrong("transport walk --sigma-a 0.1 --sigma-s-prime 0.9 --eta 1.5 --thickness 0", {"--thickness"});
+  expect_wrong("transport walk --sigma-a 0.1,1,1 --sigma-s-prime 0.9 --eta 1.5", {"--sigma-a", "one channel"});
+  expect_wrong("transport table --out no/table.inc", {"--out", "no/table.inc"});
 }
 
 }  // namespace

@@ -1,5 +1,8 @@
 #include "model/profiles/directional_dipole.h"
 
+#include "model/profiles/directional_normal_beam.h"
+#include "model/profiles/profile.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -29,6 +32,22 @@ TEST(DirectionalDipole, NormalBeamTotalsAreTheTabulatedOnes) {
     for (double y = -14; y < 7; y += .02) sum += .02 * 2 * pi * std::exp(2 * y) * d.normal_beam(std::exp(y));
     EXPECT_NEAR(sum, row.total, 1.5e-4 * row.total) << row.eta << " " << row.alpha_prime;
   }
+}
+
+TEST(DirectionalDipole, RadialFormIsTheVectorForm) {
+  for (const double alpha_prime : {.3, .9, .9999}) {
+    for (const double eta : {.8, 1.0, 1.4}) {
+      const Medium<double> m{2 * (1 - alpha_prime), 2 * alpha_prime, eta};
+      const Dipole vectors(m, .5);
+      const DirectionalNormalBeam<double> radial(m);
+      for (const double r : {0.0, 1e-3, .1, .5, 2.0, 20.0}) {
+        const double expected = vectors.normal_beam(r);
+        EXPECT_NEAR(radial.evaluate(r) / expected, 1, 1e-11) << alpha_prime << " " << eta << " " << r;
+      }
+      EXPECT_NEAR(find_profile("directional_dipole")->make(m)->evaluate(.7) / vectors.normal_beam(.7), 1, 1e-12);
+    }
+  }
+  EXPECT_NEAR(find_profile("directional_dipole")->make({.001, .999, 1})->total(), 1.25240, 2e-4);
 }
 
 TEST(DirectionalDipole, IsTheSameFromEverySideOfANormalBeam) {

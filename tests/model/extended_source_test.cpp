@@ -87,5 +87,18 @@ TEST(PhotonBeamDiffusion, CorrectionOnlyTakesAwayAndOnlyNearTheSource) {
   EXPECT_GT(before, 1 - 1e-6);
 }
 
+TEST(ExtendedSource, CumulativeIsTheIntegralAndEndsAtTheClosedTotal) {
+  for (const double sigma_a : {0.0, .02, .8}) {
+    const Medium<double> m{sigma_a, 1, 1.3};
+    const ExtendedSource<double> source(m);
+    EXPECT_NEAR(source.total() / extended_source_total(m), 1, 1e-6);
+    EXPECT_NEAR(source.cumulative(1e14), source.total(), 1e-12);
+    double sum = 0;  // trapezoid rule in log r up to r = 1
+    for (double y = -24; y < -1e-9; y += .02) sum += .02 * 2 * pi * std::exp(2 * y) * source.evaluate(std::exp(y));
+    sum += .01 * 2 * pi * source.evaluate(1.0);
+    EXPECT_NEAR(source.cumulative(1.0) / sum, 1, 1e-4) << sigma_a;
+  }
+}
+
 }  // namespace
 }  // namespace opaline

@@ -10,7 +10,7 @@ namespace {
 /// A profile that is one Gaussian, or several, to be found again.
 class KnownGaussians final : public Profile {
  public:
-  explicit KnownGaussians(std::vector<Gaussian> terms) : sum_{std::move(terms)} {}
+  explicit KnownGaussians(std::vector<Gaussian> terms) : sum_{.terms = std::move(terms)} {}
   double evaluate(double r) const override { return sum_.evaluate(r); }
   ProfileGradient evaluate_with_gradient(double r) const override { return {evaluate(r), 0, 0, 0}; }
   double total() const override { return sum_.total(); }
@@ -24,6 +24,7 @@ class KnownGaussians final : public Profile {
 
 TEST(GaussianSum, EveryProfileIsFittedBetterByMoreTerms) {
   for (const ProfileInfo& info : profiles()) {
+    if (!info.needs_medium_alone() || info.name == "gaussian_sum") continue;
     const auto profile = info.make({.05, 1.0, 1.3});
     double before = 1;
     for (const int terms : {2, 3, 4, 6, 8, 12}) {
@@ -56,7 +57,7 @@ TEST(GaussianSum, StatedErrorIsTheRealOne) {
 }
 
 TEST(GaussianSum, CumulativeIntegratesAndSampleInvertsTheTerms) {
-  const GaussianSum sum{{{.25, .5}, {.75, 8}}, 0, 0};
+  const GaussianSum sum{.terms = {{.25, .5}, {.75, 8}}};
   double integral = 0;
   for (double r = .0005; r < 3; r += .001) integral += .001 * 2 * pi * r * sum.evaluate(r);
   EXPECT_NEAR(integral, sum.cumulative(3), 1e-6);

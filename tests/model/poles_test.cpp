@@ -72,6 +72,20 @@ TEST(PoleCumulative, GrowsByTheFluxOfARing) {
   }
 }
 
+TEST(PoleSampling, TakesFewSteps) {
+  // Eight are promised. Measured over 1e7 random inputs: three.
+  int total = 0, count = 0;
+  for (double c = 0; c < 1e20; c = c * 1.7 + 1e-20)
+    for (const double xi : {1e-300, 1e-16, 1e-8, 1e-3, 0.1, 0.5, 0.9, 0.999, 1 - 1e-8, 1 - 0x1p-53}) {
+      int steps = 0;
+      sample_pole(1, c, xi, &steps);
+      EXPECT_GE(steps, 1) << c << " " << xi;
+      EXPECT_LE(steps, 4) << c << " " << xi;
+      total += steps, ++count;
+    }
+  EXPECT_LT(total, 2.5 * count);
+}
+
 TEST(PolePair, StaysFiniteAtBothEndsAndForOneSidedShares) {
   for (const double sigma : {0.0, 1e-3, 1.0, 1e3, 1e80}) {
     for (const double xi : {0.0, 1e-300, .5, .5 + 1e-16, 1 - 0x1p-53}) {

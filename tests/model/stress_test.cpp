@@ -5,6 +5,7 @@
 #include "model/profiles/better_dipole.h"
 #include "model/profiles/normalised_diffusion.h"
 #include "model/profiles/poles.h"
+#include "model/profiles/profile.h"
 #include "model/stress/function.h"
 #include "model/stress/reference.h"
 
@@ -59,8 +60,14 @@ TEST(Stress, EveryRegisteredFunctionKeepsItsLimit) {
 TEST(Stress, CoversTheFormulasAndTheRegistry) {
   const auto names = stress_function_names();
   for (const char* name : {"fresnel_reflectance", "diffuse_reflectance_internal", "dipole_boundary_a", "sample_pole",
-                           "standard_dipole.evaluate", "better_dipole.total", "profile standard_dipole"}) {
+                           "standard_dipole.evaluate", "better_dipole.total", "multipole.transmittance",
+                           "layered.reflected", "single_scattering.profile", "layered_single_scattering_brdf"}) {
     EXPECT_NE(std::ranges::find(names, name), names.end()) << name;
+  }
+  for (const ProfileInfo& info : profiles()) {
+    for (const char* what : {"", ".cumulative", ".sample"}) {
+      EXPECT_NE(std::ranges::find(names, "profile " + info.name + what), names.end()) << info.name << what;
+    }
   }
   auto sorted = names;
   std::ranges::sort(sorted);
@@ -119,6 +126,16 @@ TEST(Stress, CountsEachKindOfInvalidValue) {
   ASSERT_EQ(wrong.invalid_at.size(), 1u);
   EXPECT_LT(wrong.invalid_at[0], 0.1);
   EXPECT_EQ(stressed(checked(unit, bump)).invalid(), 0u);
+}
+
+TEST(Stress, CountsFloatsInTheirOwnUnits) {
+  StressFunction row = stress_function("cube", one_axis(0.1, 10), 2, [](const auto* x) { return x[0] * x[0] * x[0]; });
+  row.value = [](const double* x) { return static_cast<double>(static_cast<float>(x[0] * x[0] * x[0])); };
+  EXPECT_FALSE(stressed(row).passed());
+  row.unit = 0x1p29;
+  EXPECT_TRUE(stressed(row).passed());
+  EXPECT_LE(stressed(row).plain.value, 0.501);
+  EXPECT_GT(stressed(row).plain.value, 0.4);
 }
 
 TEST(Stress, MonotoneFromOneLooksBothWays) {

@@ -1,5 +1,6 @@
 #include "render/irradiance/profile_sum.h"
 
+#include "model/profile_batch.h"
 #include "model/simd.h"
 #include "tests/support/exitance_oracle.h"
 #include "tests/support/render_fixture.h"
@@ -51,6 +52,14 @@ TwoPointRule two_point_rule(const ClusterNode& node, const glm::vec3& position) 
   return {std::max(q0 - s, 0.0), q0 + s, s, d};
 }
 
+/// R of one of the tables, by the form of table that the vector target in force uses (tested in tests/model).
+double table_value(const ProfileSum& profile, int table, double q) {
+  float values[3], r2 = static_cast<float>(q);
+  float* out[] = {&values[0], &values[1], &values[2]};
+  evaluate_tables(profile.tables, profile.table_count, &r2, 1, out);
+  return static_cast<double>(values[table]);
+}
+
 /// What add_profile_sum must add, one double loop. sums[t] for one flux channel, sums[c] for three.
 std::array<double, 3> reference_sum(const ProfileSum& profile, const ClusterTree& tree, const float* weight,
                                     const glm::vec3& position) {
@@ -58,9 +67,7 @@ std::array<double, 3> reference_sum(const ProfileSum& profile, const ClusterTree
   for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
     const TwoPointRule rule = two_point_rule(tree.nodes[i], position);
     const double w = weight ? static_cast<double>(weight[i]) : 1.0;
-    const auto at = [&](int table, double q) {
-      return static_cast<double>((*profile.tables[table])(static_cast<float>(q)));
-    };
+    const auto at = [&](int table, double q) { return table_value(profile, table, q); };
     for (int t = 0; tree.masses == 1 && t < profile.table_count; ++t)
       sums[static_cast<std::size_t>(t)] +=
           w * static_cast<double>(tree.mass[i]) * (at(t, rule.near) + at(t, rule.far)) / 2;
@@ -90,10 +97,10 @@ void expect_every_target_agrees(const ProfileSum& profile, std::size_t count, in
   for (std::size_t i = 0; i < count; i += 3) weight[i] = i % 2 ? 0.25f : 0.0f;
   const float* w = weighted ? weight.data() : nullptr;
   const glm::vec3 position(0.4f, -0.7f, 0.2f);
-  const std::array<double, 3> expected = reference_sum(profile, tree, w, position);
   const int sums = masses == 1 ? profile.table_count : 3;
   for (const std::string& target : simd_targets()) {
     limit_simd_target(target);
+    const std::array<double, 3> expected = reference_sum(profile, tree, w, position);
     float got[3] = {1, 2, 3};  // the function adds to what is there
     add_profile_sum(profile, patches, w, position, got);
     for (int k = 0; k < 3; ++k) {
@@ -115,6 +122,79 @@ TEST(ProfileSum, EveryInstructionSetAgreesWithTheWrittenOutRule) {
       expect_every_target_agrees({{&a, &b}, 2, {1, 0, 1}}, count, 3, weighted);
       expect_every_target_agrees({{&a}, 1, {0, 0, 0}}, count, 3, weighted);
     }
+}
+
+TEST(ProfileSum, TablesOfOneSegmentationAgreeToo) {
+  const NoLimitAfterwards guard;
+  const auto table = [](double core, double exponent, double r_max) {
+    return ProfileTable([=](double r) { return std::pow(r * r + core * core, -exponent / 2); }, 0.5, r_max);
+  };
+  for (const double r_max : {20.0, 1000.0, 1e5}) {  // the two register forms and rows
+    const ProfileTable a = table(0.5, 3, r_max), b = table(1, 5, r_max), c = table(2, 2, r_max);
+    for (const std::size_t count : {16u, 100u, 511u, 512u, 513u, 1100u})
+      for (const int masses : {1, 3}) {
+        for (int tables = 1; masses == 1 && tables <= 3; ++tables)
+          expect_every_target_agrees({{&a, &b, &c}, tables, {}}, count, 1, true);
+        if (masses == 3) expect_every_target_agrees({{&a, &b, &c}, 3, {2, 0, 1}}, count, 3, false);
+      }
+  }
+}
+
+TEST(ProfileSum, ManyQueriesAreTheQueriesOneByOne) {
+  const ProfileTable table = power_table(0.5, 3);
+  const ProfileSum profile{{&table}, 1, {0, 0, 0}};
+  std::mt19937 random(4);
+  std::uniform_real_distribution<float> any(-3, 3);
+  for (const int masses : {1, 3})
+    for (const std::size_t queries : {0u, 1u, 2u, 64u, 65u, 130u}) {
+      const PatchList patches = patches_of(random_patches(1300, masses));
+      std::vector<glm::vec3> positions(queries);
+      for (glm::vec3& p : positions) p = {any(random), any(random), any(random)};
+      std::vector<std::array<float, 3>> together(queries), alone(queries);
+      add_profile_sums(profile, patches, nullptr, positions, together.data());
+      for (std::size_t q = 0; q < queries; ++q)
+        add_profile_sum(profile, patches, nullptr, positions[q], alone[q].data());
+      EXPECT_EQ(together, alone) << queries << " queries, fluxes " << masses;
+    }
+}
+
+TEST(ProfileSum, SkippedPatchesAreThoseOfNoWeight) {
+  const ProfileTable table = power_table(0.5, 3);
+  const ProfileSum profile{{&table}, 1, {0, 0, 0}};
+  for (const int masses : {1, 3}) {
+    const PatchList patches = patches_of(random_patches(1300, masses));
+    const std::vector<std::uint32_t> skipped[] = {{}, {0}, {511, 512, 513}, {5, 700, 1299}, {1298}};
+    std::vector<glm::vec3> positions;
+    for (int i = 0; i < 5; ++i) positions.push_back({0.3f * static_cast<float>(i), 0.2f, -0.1f});
+    std::vector<std::array<float, 3>> sums(5);
+    add_profile_sums(profile, patches, positions, skipped, sums.data());
+    for (std::size_t q = 0; q < 5; ++q) {
+      std::vector<float> weight(PatchList::padded(1300), 1.0f);
+      for (const std::uint32_t i : skipped[q]) weight[i] = 0;
+      std::array<float, 3> expected{};
+      add_profile_sum(profile, patches, weight.data(), positions[q], expected.data());
+      EXPECT_EQ(sums[q], expected) << "query " << q << " fluxes " << masses;
+    }
+  }
+}
+
+TEST(ProfileSum, AMillionEqualPatchesDoNotDrift) {
+  ClusterTree tree;
+  ClusterNode node{};
+  node.centroid = {1, 0, 0};
+  tree.nodes = {node};
+  tree.mass = {1};
+  PatchList list;
+  for (int i = 0; i < 1000000; ++i) list.push(tree, 0);
+  list.pad();
+  const ProfileTable table = power_table(0.5, 3);
+  float sum[3] = {0, 0, 0}, one[3] = {0, 0, 0};
+  add_profile_sum({{&table}, 1, {}}, list, nullptr, glm::vec3(0), sum);
+  list.clear();
+  list.push(tree, 0);
+  list.pad();
+  add_profile_sum({{&table}, 1, {}}, list, nullptr, glm::vec3(0), one);
+  EXPECT_NEAR(sum[0], 1e6f * one[0], 2e-6f * sum[0]);
 }
 
 TEST(ProfileSum, PatchesBeyondTheEndOfAListAreNotSummed) {

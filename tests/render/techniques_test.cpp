@@ -30,9 +30,21 @@ SharedSettings few_samples() {
   return settings;
 }
 
+/// The defaults, but as little chance as possible.
+std::map<std::string, std::string> quick(const Technique& technique) {
+  if (technique.statistical) return {{"paths", "2"}};
+  return {};
+}
+
 Frame render(const Technique& technique, const SharedScene& shared,
              const std::map<std::string, std::string>& set = {}) {
   return technique.prepare(shared, Settings(technique.settings, set))->render(shared.view);
+}
+
+/// Exitance or radiance, whichever it is.
+const std::vector<glm::vec3>& values(const Frame& frame) {
+  EXPECT_NE(frame.exitance.empty(), frame.radiance.empty());
+  return frame.radiance.empty() ? frame.exitance : frame.radiance;
 }
 
 class EveryTechnique : public testing::TestWithParam<std::string> {
@@ -74,6 +86,7 @@ std::map<std::string, std::string> accurate(const Technique& technique) {
 
 // A sphere lit from the side; or, for a technique that gathers only what it sees, a slab lit and seen from above.
 TEST_P(EveryTechnique, RendersLikeTheSumOverAllCells) {
+  if (technique().statistical) GTEST_SKIP() << "follows transport, not a diffusion profile";
   const Scene scene = technique().only_visible ? seen_slab() : small_sphere();
   ASSERT_EQ(technique().not_applicable(scene), "");
   const SharedScene shared(scene, few_samples());
@@ -88,6 +101,16 @@ TEST_P(EveryTechnique, RendersLikeTheSumOverAllCells) {
   }
 }
 
+TEST_P(EveryTechnique, FillsEveryVisiblePoint) {
+  const Scene scene = small_sphere();
+  ASSERT_EQ(technique().not_applicable(scene), "");
+  const SharedScene shared(scene, few_samples(), technique().needs_irradiance);
+  const Frame frame = render(technique(), shared, quick(technique()));
+  EXPECT_EQ(values(frame).size(), shared.view.points.size());
+  EXPECT_EQ(frame.images.count("variance"), technique().statistical ? 1u : 0u);
+  for (const auto& [name, image] : frame.images) EXPECT_EQ(image.size(), shared.view.points.size()) << name;
+}
+
 // If an edit of the camera does not invalidate it, what was prepared must serve another view.
 TEST_P(EveryTechnique, ServesANewViewAsItSays) {
   if (technique().invalidated_by.camera) GTEST_SKIP() << "needs preparing for every view";
@@ -95,9 +118,9 @@ TEST_P(EveryTechnique, ServesANewViewAsItSays) {
   Scene side = front;
   side.camera.position = {-150, 100, 100};
   const SharedScene from_front(front, few_samples()), from_side(side, few_samples());
-  const auto prepared = technique().prepare(from_front, Settings(technique().settings, {}));
-  const auto fresh = technique().prepare(from_side, Settings(technique().settings, {}));
-  EXPECT_EQ(prepared->render(from_side.view).exitance, fresh->render(from_side.view).exitance);
+  const Settings settings(technique().settings, quick(technique()));
+  const auto prepared = technique().prepare(from_front, settings), fresh = technique().prepare(from_side, settings);
+  EXPECT_EQ(values(prepared->render(from_side.view)), values(fresh->render(from_side.view)));
 }
 
 TEST_P(EveryTechnique, LightDoesNotCrossFromObjectToObject) {
@@ -108,18 +131,22 @@ TEST_P(EveryTechnique, LightDoesNotCrossFromObjectToObject) {
   scene.objects.push_back({"shaded", shaded, 0});
   scene.camera.height = 50;
   const SharedScene shared(scene, few_samples());
-  const Frame frame = render(technique(), shared);
+  const Frame frame = render(technique(), shared, quick(technique()));
   const ObjectPoints points = points_of_object(shared.view, 1);
   ASSERT_GT(points.indices.size(), 5u);
-  for (const std::uint32_t i : points.indices) EXPECT_EQ(frame.exitance[i], glm::vec3(0));
-  for (const std::uint32_t i : points_of_object(shared.view, 0).indices) EXPECT_GT(frame.exitance[i].r, 0);
+  for (const std::uint32_t i : points.indices) EXPECT_EQ(values(frame)[i], glm::vec3(0));
+  std::size_t lit = 0;
+  const ObjectPoints front = points_of_object(shared.view, 0);
+  for (const std::uint32_t i : front.indices) lit += values(frame)[i].r > 0;
+  EXPECT_GT(lit, technique().statistical ? front.indices.size() / 2 : front.indices.size() - 1);
 }
 
 TEST_P(EveryTechnique, ATechniqueWithoutLightIsBlack) {
   Scene scene = small_sphere();
   scene.lights = {PointLight{{0, 0, 50}, Rgb(0)}};
   const SharedScene shared(scene, few_samples());
-  for (const glm::vec3& b : render(technique(), shared).exitance) EXPECT_EQ(b, glm::vec3(0));
+  const Frame frame = render(technique(), shared, quick(technique()));
+  for (const glm::vec3& b : values(frame)) EXPECT_EQ(b, glm::vec3(0));
 }
 
 INSTANTIATE_TEST_SUITE_P(Registry, EveryTechnique, testing::ValuesIn(names()),
@@ -221,6 +248,25 @@ TEST(Shade, TheJensenLobeLosesTheDiffuseFresnelReflectance) {
   EXPECT_NEAR(outgoing(1.3, ExitLobe::jensen, 1), 1 - 0.0611, 2e-3);
   EXPECT_NEAR(outgoing(1.5, ExitLobe::jensen, 1), 1 - 0.0918, 2e-3);
   EXPECT_NEAR(outgoing(1.0, ExitLobe::jensen, 1), 1, 1e-6);
+}
+
+TEST(Shade, LeavesRadianceAsItIsAndShadesImagesBesideExitance) {
+  const Scene scene = small_sphere();
+  const GBuffer view = make_gbuffer(scene, RayScene(scene));
+  Frame frame;
+  frame.images["bound"].assign(view.points.size(), glm::vec3(0.25f));
+  frame.exitance.assign(view.points.size(), glm::vec3(1, 2, 3));
+  const Image image = shade(scene, view, frame), bound = shade_layers(scene, view, frame).at("bound");
+  EXPECT_EQ(image.data, shade(scene, view, frame.exitance).data);
+  EXPECT_FLOAT_EQ(bound.at(12, 12, 0), image.at(12, 12, 0) / 4);
+  std::swap(frame.exitance, frame.radiance);
+  EXPECT_EQ(shade(scene, view, frame).at(12, 12, 2), 3);
+  EXPECT_EQ(shade_layers(scene, view, frame).at("bound").at(12, 12, 2), 0.25f);
+  const Image all = with_layers(shade(scene, view, frame), shade_layers(scene, view, frame));
+  EXPECT_EQ(all.channels, (std::vector<std::string>{"R", "G", "B", "A", "bound.R", "bound.G", "bound.B"}));
+  EXPECT_EQ(all.at(12, 12, 1), 2);
+  EXPECT_EQ(all.at(12, 12, all.channel("bound.G")), 0.25f);
+  EXPECT_EQ(all.at(0, 0, 0), 0);
 }
 
 TEST(Shade, WritesPixelsAndTheirCoverage) {

@@ -23,7 +23,8 @@ void run_kernels() {
 
 int run(int argc, char** argv) {
   SceneChoice choice;
-  bool kernels = true, render = true, fit = true, image_space = true;
+  ModelChoice model_choice;
+  bool kernels = true, model = true, render = true, paths = true, fit = true, image_space = true;
   CLI::App app("Opaline's benchmark: figures reached beside figures asked", "opaline_bench");
   app.add_option("--mesh", choice.mesh, "Mesh file instead of the synthetic bust");
   app.add_option("--height", choice.height, "Of the object [mm]")->check(CLI::PositiveNumber)->capture_default_str();
@@ -34,17 +35,30 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(1, 101))
       ->capture_default_str();
   app.add_flag("!--no-kernels", kernels, "Leave out the inner loops");
+  app.add_option("--walks", model_choice.walks, "Monte-Carlo walks per row of the transport check (full: 100000000)")
+      ->check(CLI::Range(std::uint64_t{1000}, std::uint64_t{100000000000}))
+      ->capture_default_str();
+  app.add_option("--sampler-samples", model_choice.samples, "Samples per chi-squared test")
+      ->check(CLI::Range(std::uint64_t{10000}, std::uint64_t{100000000000}))
+      ->capture_default_str();
+  app.add_flag("!--no-model", model, "Leave out sampling and Monte-Carlo");
   app.add_flag("!--no-render", render, "Leave out the renderer");
+  app.add_flag("!--no-paths", paths, "Leave out the path tracer");
   app.add_flag("!--no-fit", fit, "Leave out the fit");
   app.add_flag("!--no-image-space", image_space, "Leave out image-space sampling");
   CLI11_PARSE(app, argc, argv);
   fmt::print("{}\n", machine());
-  if (kernels) run_kernels();
+  if (kernels) {
+    run_kernels();
+    print_figures("Kernels on one core", kernel_figures());
+  }
+  if (model) print_figures("Model: sampling and Monte-Carlo", model_figures(model_choice));
   const std::string title =
       fmt::format("{} of {}, {} mm high, {} x {} pixels, {} cells", choice.mesh.empty() ? "bust" : choice.mesh,
                   choice.material, choice.height, choice.film, choice.film, choice.samples);
   if (render) print_figures("Renderer: " + title, render_figures(choice));
   if (image_space) print_image_space_figures(choice);
+  if (paths) print_figures("Transport, 64 x 64 pixels, " + choice.material, path_figures(choice));
   if (fit) print_figures("Fit: " + title, fit_figures(choice));
   return 0;
 }

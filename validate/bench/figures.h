@@ -25,6 +25,9 @@ std::string machine();
 /// Median of the seconds of `runs` calls, after one that is not counted.
 double median_seconds(int runs, const std::function<void()>& call);
 
+/// Processor time of this thread so far: what a busy machine doesn't stretch.
+double thread_seconds();
+
 /// Peak resident memory of this process [bytes].
 double peak_rss();
 
@@ -40,8 +43,19 @@ struct SceneChoice {
 /// The object centred, side-lit by one white directional light, filling most of the film.
 Scene bench_scene(const SceneChoice& choice);
 
+/// Inner loops on one core, for every vector target of the processor.
+std::vector<Figure> kernel_figures();
+
+struct ModelChoice {
+  std::uint64_t samples = 10000000;  ///< per sampler
+  std::uint64_t walks = 20000000;    ///< per row of the transport check; 1e8 brings its standard errors below 1e-4
+};
+std::vector<Figure> model_figures(const ModelChoice& choice);
+
 std::vector<Figure> render_figures(const SceneChoice& choice);
 std::vector<Figure> fit_figures(const SceneChoice& choice);
+/// Of the same object at 64 x 64 pixels, and of a sphere as high.
+std::vector<Figure> path_figures(const SceneChoice& choice);
 
 /// Of image_space_sampling: figures and tables, on scenes of its own; `runs` is all that counts of the choice.
 void print_image_space_figures(const SceneChoice& choice);
