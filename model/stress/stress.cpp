@@ -115,6 +115,11 @@ void visit_points(const StressFunction& row, std::uint64_t count, SplitMix& rand
   }
 }
 
+/// A costly row gets fewer random points too, yet some.
+std::uint64_t random_points(const StressFunction& row, std::uint64_t points) {
+  return std::max<std::uint64_t>(2, points / row.cost);
+}
+
 /// A costly row leaves out corners when few points are asked for.
 std::uint64_t corner_stride(const StressFunction& row, const StressOptions& options) {
   return std::max<std::uint64_t>(1, 64 * row.cost / std::max<std::uint64_t>(64, options.points));
@@ -126,7 +131,7 @@ StressResult stress_values(const StressFunction& row, const StressOptions& optio
   visit_points(row, options.count, random, [&](const Input& point) { check_point(point, random, result, row); });
   if (!row.reference) return result;
   visit_points(
-      row, options.points / row.cost, random,
+      row, random_points(row, options.points), random,
       [&](const Input& point) {
         const Input input = row.domain.inputs_at(point);
         if (!row.domain.contains(input)) return;
@@ -151,7 +156,7 @@ StressResult stress_derivatives(const StressFunction& row, const StressOptions& 
   StressResult result = empty_result(row, true);
   SplitMix random{seed};
   visit_points(
-      row, options.points / row.cost / 8, random,
+      row, random_points(row, options.points / 8), random,
       [&](const Input& point) {
         const Input input = row.domain.inputs_at(point);
         const bool valid = row.gradient_valid == nullptr || row.gradient_valid(input);

@@ -53,7 +53,8 @@ TEST(Stress, EveryRegisteredFunctionKeepsItsLimit) {
     EXPECT_TRUE(r.passed()) << (r.derivative ? "derivatives of " : "") << r.name << " " << r.scaled.value << " of "
                             << r.limit << ", invalid " << r.invalid();
     EXPECT_GT(r.checked, 0u) << r.name;
-    EXPECT_LE(r.dark, r.points / 2) << r.name;
+    // Something is compared: of a thick slab's transmittance, where corners are mostly dark, not much.
+    EXPECT_LE(r.dark, r.points * 4 / 5) << r.name;
   }
 }
 
