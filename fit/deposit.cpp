@@ -22,7 +22,7 @@ struct Landing {
 
 struct Chunk {
   Landing near, far;
-  HWY_ALIGN float dx[chunk], dy[chunk], dz[chunk], per_spread[chunk];
+  HWY_ALIGN float dx[chunk], dy[chunk], dz[chunk], per_spread[chunk], tilt[chunk];
 };
 
 struct BasisConstants {
@@ -62,7 +62,8 @@ HWY_INLINE void prepare_chunk(const BasisConstants& basis, const PatchList& patc
     hn::Store(q.dx, d, out.dx + at);
     hn::Store(q.dy, d, out.dy + at);
     hn::Store(q.dz, d, out.dz + at);
-    hn::Store(hn::Div(hn::Set(d, 1.0f), hn::Add(q.spread, hn::Set(d, 1e-30f))), d, out.per_spread + at);
+    hn::Store(hn::Div(hn::Set(d, 1.0f), q.spread), d, out.per_spread + at);
+    hn::Store(q.tilt, d, out.tilt + at);
   }
 }
 
@@ -74,15 +75,16 @@ HWY_INLINE void scatter(D d, const PatchList& patches, std::size_t i, const Chun
   float* near = accumulators + static_cast<std::size_t>(c.near.node[at]) * masses;
   float* far = accumulators + static_cast<std::size_t>(c.far.node[at]) * masses;
   for (std::size_t m = 0; m < masses; m += hn::Lanes(d)) {
-    const auto half = hn::Mul(hn::Set(d, 0.5f), hn::LoadU(d, patches.mass() + i * masses + m));
-    auto shift = hn::Zero(d);
+    const auto mass = hn::LoadU(d, patches.mass() + i * masses + m);
+    auto shift = hn::Mul(hn::Set(d, c.tilt[at]), mass);
     if (masses > 1) {
       const std::size_t o = i * masses + m;
-      shift = hn::Mul(hn::Set(d, c.dx[at]), hn::LoadU(d, patches.first_moment(0) + o));
-      shift = hn::MulAdd(hn::Set(d, c.dy[at]), hn::LoadU(d, patches.first_moment(1) + o), shift);
-      shift = hn::MulAdd(hn::Set(d, c.dz[at]), hn::LoadU(d, patches.first_moment(2) + o), shift);
-      shift = hn::Mul(shift, hn::Set(d, c.per_spread[at]));
+      auto along = hn::Mul(hn::Set(d, c.dx[at]), hn::LoadU(d, patches.first_moment(0) + o));
+      along = hn::MulAdd(hn::Set(d, c.dy[at]), hn::LoadU(d, patches.first_moment(1) + o), along);
+      along = hn::MulAdd(hn::Set(d, c.dz[at]), hn::LoadU(d, patches.first_moment(2) + o), along);
+      shift = hn::MulAdd(along, hn::Set(d, c.per_spread[at]), shift);
     }
+    const auto half = hn::Mul(hn::Set(d, 0.5f), mass);
     const auto flux_near = hn::Add(half, shift), flux_far = hn::Sub(half, shift);
     for (std::size_t j = 0; j < 4; ++j) {
       float* a = near + j * masses + m;

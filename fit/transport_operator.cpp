@@ -24,16 +24,20 @@ constexpr std::size_t group_size = 32;
 struct OpeningCriterion {
   static constexpr float moments = 1;
   float opening_squared, core_squared;
-  float group_radius = 0;
 
-  void begin_group(const glm::vec3&, float radius) { group_radius = radius; }
+  void begin_group(const glm::vec3&, float) {}
   bool acceptable(float distance, float radius) const {
     return radius * radius <= opening_squared * (distance * distance + core_squared);
   }
-  bool accept(const ClusterNode& node, float distance) const {
-    return acceptable(std::max(0.0f, distance - group_radius), node.radius);
+  bool accept(const ClusterNode& node, float distance, float group_radius) const {
+    return acceptable(std::max(0.0f, distance - group_radius), node.extent.radius);
   }
-  bool accept_part(float distance, float radius, float) const { return acceptable(distance, radius); }
+  bool accept_part(const ClusterNode& leaf, float scale, float distance, float group_radius) const {
+    return acceptable(std::max(0.0f, distance - group_radius), scale * leaf.extent.radius);
+  }
+  void use(const float*, float) {}
+  std::array<float, 3> take_bound() { return {}; }
+  void tighten(float) {}
 };
 
 /// Fills the operator's rows from the deposits of one query.
@@ -43,19 +47,25 @@ struct RowSink {
   const std::vector<std::uint32_t>& point_of_query;  // index into view.points
   const std::vector<std::uint32_t>& row_of_point;
   int masses;
-  std::vector<float> accumulators;
-  glm::vec3 position{0};
-  std::size_t query = 0;
+  std::span<const std::uint32_t> queries{};
+  std::span<const glm::vec3> positions{};
+  std::vector<float> accumulators{};  // query of the group, then as the operator's row
 
-  void begin(std::size_t q, const glm::vec3& p) {
-    query = q, position = p;
-    accumulators.assign(static_cast<std::size_t>(op.radial.size()) * static_cast<std::size_t>(masses), 0.0f);
+  std::size_t stride() const { return static_cast<std::size_t>(op.radial.size()) * static_cast<std::size_t>(masses); }
+
+  void begin_group(std::span<const std::uint32_t> group, std::span<const glm::vec3> at) {
+    queries = group, positions = at;
+    accumulators.assign(group.size() * stride(), 0.0f);
   }
-  void add(const PatchList& patches, const float* weight) {
-    deposit_patches(op.radial, patches, weight, position, accumulators.data());
+  void add(const PatchList& patches, std::size_t first, std::size_t count, const std::array<float, 3>&) {
+    for (std::size_t i = first; i < first + count; ++i)
+      deposit_patches(op.radial, patches, nullptr, positions[i], &accumulators[i * stride()]);
   }
-  void end() {
-    const std::uint32_t point = point_of_query[query];
+  float end_group() {
+    for (std::size_t i = 0; i < queries.size(); ++i) write_row(point_of_query[queries[i]], &accumulators[i * stride()]);
+    return 0;
+  }
+  void write_row(std::uint32_t point, const float* sums) {
     const double cosine = static_cast<double>(view.points[point].cos_o);
     for (int k = 0; k < op.etas.size(); ++k) {
       const auto leaving =
@@ -65,7 +75,7 @@ struct RowSink {
                                  static_cast<std::size_t>(c)) *
                                     op.columns() +
                                 static_cast<std::size_t>(k) * static_cast<std::size_t>(op.radial.size())];
-        const float* in = &accumulators[static_cast<std::size_t>(k * op.light_channels + c)];
+        const float* in = sums + k * op.light_channels + c;
         for (int n = 0; n < op.radial.size(); ++n) out[n] = leaving * in[n * masses];
       }
     }
@@ -123,10 +133,13 @@ void gather_rows(const GBuffer& view, int object, const SurfaceCells& cells, con
   const OpeningCriterion criterion{opening * opening, static_cast<float>(op.radial.x_0())};
   const GatherCounts counts = gather(
       tree, cells, points.positions, [&] { return criterion; },
-      [&] { return RowSink{op, view, points.indices, row_of_point, tree.masses, {}}; }, group_size);
+      [&] {
+        return RowSink{op, view, points.indices, row_of_point, tree.masses};
+      },
+      group_size);
   op.counters.done["nodes_visited"] += counts.nodes_visited;
   op.counters.done["clusters"] += counts.clusters;
-  op.counters.done["near_cells"] += counts.near_cells;
+  op.counters.done["cells"] += counts.cells;
   op.counters.done["cell_parts"] += counts.cell_parts;
   op.counters.skipped["cell_splits_at_depth_limit"] += counts.depth_limit_reached;
 }

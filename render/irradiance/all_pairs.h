@@ -8,7 +8,7 @@
 //   struct Criterion { void begin_group(const glm::vec3& position, float radius);  // radius is 0: one point at a time
 //                      // May a cell or a part of it stay whole? The smaller the more so; the further too, but only
 //                      // beyond `falling_from`: within its core a profile is flat, and steepest a little further out.
-//                      bool accept_part(float distance, float radius, float trace) const; };
+//                      bool accept(const ClusterExtent& extent, float distance, float group_radius); };
 #pragma once
 
 #include "render/irradiance/gather.h"
@@ -25,10 +25,10 @@ struct AllPairs {
   const ClusterTree& tree;
   const SurfaceCells& cells;
   const ProfileSum& profile;
-  float falling_from;                           ///< [mm]
-  PatchList whole;                              ///< all cells, in the tree's order
-  std::vector<std::uint32_t> rank;              ///< per node: cells before it
-  float largest_radius = 0, largest_trace = 0;  ///< of a cell
+  float falling_from;               ///< [mm]
+  PatchList whole;                  ///< all cells, in the tree's order
+  std::vector<std::uint32_t> rank;  ///< per node: cells before it
+  ClusterExtent largest{};          ///< no cell is larger in any way
 
   AllPairs(const ClusterTree& t, const SurfaceCells& c, const ProfileSum& p, float from)
       : tree(t), cells(c), profile(p), falling_from(from), whole(t.masses) {
@@ -36,10 +36,9 @@ struct AllPairs {
     for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
       rank.push_back(static_cast<std::uint32_t>(whole.size()));
       const ClusterNode& node = tree.nodes[i];
-      if (node.cell == ClusterNode::no_cell) continue;
+      if (!node.leaf()) continue;
       whole.push(tree, i);
-      largest_radius = std::max(largest_radius, node.radius);
-      largest_trace = std::max(largest_trace, node.trace());
+      largest = largest.with(node.extent);
     }
     whole.pad();
   }
@@ -84,38 +83,36 @@ class PairWorker {
       ++counts_.nodes_visited;
       const ClusterNode& node = nodes[i];
       const float distance = glm::length(node.centroid - position);
-      const bool leaf = node.cell != ClusterNode::no_cell;
-      if (leaf && !criterion_.accept_part(distance, node.radius, node.trace())) {
+      if (node.leaf() && !criterion_.accept(node.extent, distance, 0)) {
         near.push_back(shared_.rank[i]);
-        split(position, i, shared_.cells[node.cell], node.radius, 1.0f, 0);
+        split(position, i, shared_.cells[node.cell], 1, 0);
       }
-      i = !leaf && all_whole(distance - node.radius) ? node.skip : i + 1;
+      i = !node.leaf() && all_whole(distance - node.extent.radius) ? node.skip : i + 1;
     }
     parts_.pad();
-    counts_.near_cells += near.size();
+    counts_.cells += shared_.whole.size() - near.size();
     counts_.cell_parts += parts_.size();
-    counts_.clusters += shared_.whole.size() - near.size();
   }
 
   /// Whether every cell further away than this may stay whole.
-  bool all_whole(float distance) const {
-    return distance > shared_.falling_from &&
-           criterion_.accept_part(distance, shared_.largest_radius, shared_.largest_trace);
+  bool all_whole(float distance) {
+    return distance > shared_.falling_from && criterion_.accept(shared_.largest, distance, 0);
   }
 
-  void split(const glm::vec3& position, std::size_t leaf, const SurfaceCell& cell, float radius, float fraction,
-             int depth) {
+  /// `scale`: of the cell or part against the leaf's cell; below 0 it is turned by half a turn.
+  void split(const glm::vec3& position, std::size_t leaf, const SurfaceCell& cell, float scale, int depth) {
     SurfaceCell quarters[4];
     split_in_four(cell, quarters);
-    const float quarter = fraction / 4, trace = shared_.tree.nodes[leaf].trace() * quarter;
-    for (const SurfaceCell& part : quarters) {
-      const glm::vec3 centroid = cell_centroid(part);
-      const bool whole = criterion_.accept_part(glm::length(centroid - position), radius / 2, trace);
+    const ClusterExtent extent = shared_.tree.nodes[leaf].extent.scaled(std::abs(scale) / 2);
+    for (int k = 0; k < 4; ++k) {
+      const float part_scale = k == 3 ? -scale / 2 : scale / 2;  // the middle quarter is turned
+      const glm::vec3 centroid = cell_centroid(quarters[k]);
+      const bool whole = criterion_.accept(extent, glm::length(centroid - position), 0);
       if (whole || depth + 1 == max_depth) {
         counts_.depth_limit_reached += !whole;
-        parts_.push_part(shared_.tree, leaf, centroid, quarter);
+        parts_.push_part(shared_.tree, leaf, centroid, part_scale);
       } else {
-        split(position, leaf, part, radius / 2, quarter, depth + 1);
+        split(position, leaf, quarters[k], part_scale, depth + 1);
       }
     }
   }
@@ -127,15 +124,16 @@ class PairWorker {
   GatherCounts counts_;
 };
 
-/// sums[q][t] += B by table t (or flux channel, profile_sum.h) at points[q]. Counts: `clusters` are the cells summed
-/// whole, `near_cells` those replaced by `cell_parts`, `nodes_visited` the price of finding them. The result does not
-/// depend on the number of threads.
+/// sums[q][t] += B by table t (or flux channel, profile_sum.h) at points[q]. Counts: `cells` are summed whole,
+/// `cell_parts` replace the others, `nodes_visited` is the price of finding them. The result does not depend on the
+/// number of threads.
 template <typename Criterion>
 GatherCounts sum_all_pairs(const ClusterTree& tree, const SurfaceCells& cells, const ProfileSum& profile,
                            std::span<const glm::vec3> points, const Criterion& criterion, float falling_from,
                            std::vector<std::array<float, 3>>& sums) {
   const AllPairs shared(tree, cells, profile, falling_from);
-  const std::vector<std::uint32_t> order = morton_order(points);
+  std::vector<std::uint32_t> order;
+  for (const MortonKey& key : morton_sorted(points)) order.push_back(key.index);
   const std::size_t groups = (order.size() + AllPairs::group_size - 1) / AllPairs::group_size;
   GatherCounts total;
   std::mutex mutex;
@@ -149,9 +147,7 @@ GatherCounts sum_all_pairs(const ClusterTree& tree, const SurfaceCells& cells, c
     progress.advance(range.size());
     const GatherCounts& c = worker.counts();
     const std::lock_guard lock(mutex);
-    total = {total.groups + c.groups,         total.nodes_visited + c.nodes_visited,
-             total.clusters + c.clusters,     total.near_cells + c.near_cells,
-             total.cell_parts + c.cell_parts, total.depth_limit_reached + c.depth_limit_reached};
+    total += c;
   });
   return total;
 }

@@ -2,11 +2,12 @@
 // its flux and its moments up to the second.
 //
 // Two-point rule. For a query at D from the patch's centroid, q = |D - delta|^2 over the patch has
-//   mean q0 = |D|^2 + tr C        variance s^2 = 4 D^T C D + var |delta|^2
-// with var |delta|^2 ~ (tr C)^2 / 3 (exact for a uniform disk). Half the flux at q0 + s and half at
-// q0 - s reproduce both, so any profile f(q) is integrated with a third-order error; for a query at
-// the centre of a disk this is Gauss-Legendre quadrature. A channel whose own centroid differs
-// shifts flux between the two points by its first moment.
+//   mean q0 = |D|^2 + tr C
+//   variance V = 4 D^T C D - 4 E (D . delta) |delta|^2 + var |delta|^2
+//   third central moment S ~ -8 E (D . delta)^3 + 4 tr C D^T C D   (the second term exact for a disk)
+// Two values of q with two weights reproduce all three (Gauss's quadrature for the flux over q), so any profile f(q)
+// is integrated with an error of the fourth order. A channel whose own centroid differs shifts flux between the two
+// points by its first moment.
 #pragma once
 
 #include "render/irradiance/cluster_tree.h"
@@ -29,27 +30,39 @@ class PatchList {
   void push(const ClusterTree& tree, std::size_t node, float moments = 1) {
     const std::size_t i = grow();
     const ClusterNode& n = tree.nodes[node];
-    set_geometry(i, n.centroid, n.covariance, moments);
+    set_geometry(i, n.centroid, n, moments);
     for (std::size_t m = 0; m < masses_; ++m) mass_[i * masses_ + m] = tree.mass[node * masses_ + m];
     if (masses_ == 1) return;
     for (std::size_t axis = 0; axis < 3; ++axis)
       for (std::size_t m = 0; m < masses_; ++m)
         first_[axis][i * masses_ + m] = moments * tree.first_moment[(node * 3 + axis) * masses_ + m];
   }
-  /// Appends a similar part of a leaf's cell: its centroid, and its area as a fraction of the cell.
-  void push_part(const ClusterTree& tree, std::size_t leaf, const glm::vec3& centroid, float fraction) {
+  /// Appends a similar part of a leaf's cell: its centroid, and its size as a fraction of the cell's; below 0 if it is
+  /// turned by half a turn.
+  void push_part(const ClusterTree& tree, std::size_t leaf, const glm::vec3& centroid, float scale) {
     const std::size_t i = grow();
-    set_geometry(i, centroid, tree.nodes[leaf].covariance, fraction);
+    const float fraction = scale * scale;
+    set_geometry(i, centroid, tree.nodes[leaf], scale);
     for (std::size_t m = 0; m < masses_; ++m) mass_[i * masses_ + m] = fraction * tree.mass[leaf * masses_ + m];
     if (masses_ == 1) return;
     for (auto& axis : first_) std::fill_n(axis.begin() + static_cast<std::ptrdiff_t>(i * masses_), masses_, 0.0f);
   }
 
-  /// Geometry rows: 0-2 centroid, 3-8 covariance xx xy xz yy yz zz, 9 trace.
+  /// Appends a point with the same flux in every channel.
+  void push_point(const glm::vec3& position, float mass) {
+    const std::size_t i = grow();
+    set_geometry(i, position, ClusterNode{}, 0);
+    std::fill_n(mass_.begin() + static_cast<std::ptrdiff_t>(i * masses_), masses_, mass);
+    if (masses_ == 1) return;
+    for (auto& axis : first_) std::fill_n(axis.begin() + static_cast<std::ptrdiff_t>(i * masses_), masses_, 0.0f);
+  }
+
+  /// Geometry rows: 0-2 centroid, 3-8 covariance xx xy xz yy yz zz, 9 trace, 10 variance of |delta|^2,
+  /// 11-20 coefficients of E (x . delta)^3.
   const float* row(int field) const { return geometry_[field].data(); }
   const float* mass() const { return mass_.data(); }
   const float* first_moment(int axis) const { return first_[axis].data(); }
-  static constexpr int rows = 10;
+  static constexpr int rows = 21;
 
   /// Kernels read whole vectors: the list is followed by patches without flux up to a multiple of
   /// this many.
@@ -78,10 +91,13 @@ class PatchList {
     }
     return count_++;
   }
-  void set_geometry(std::size_t i, const glm::vec3& centroid, const float* covariance, float scale) {
+  void set_geometry(std::size_t i, const glm::vec3& centroid, const ClusterNode& n, float scale) {
+    const float s2 = scale * scale, s3 = s2 * scale;
     for (int axis = 0; axis < 3; ++axis) geometry_[axis][i] = centroid[axis];
-    for (int k = 0; k < 6; ++k) geometry_[3 + k][i] = scale * covariance[k];
-    geometry_[9][i] = scale * (covariance[0] + covariance[3] + covariance[5]);
+    for (int k = 0; k < 6; ++k) geometry_[3 + k][i] = s2 * n.covariance[k];
+    geometry_[9][i] = s2 * n.extent.trace;
+    geometry_[10][i] = s2 * s2 * n.extent.variance;
+    for (std::size_t k = 0; k < n.third.size(); ++k) geometry_[11 + k][i] = s3 * n.third[k];
   }
 
   std::size_t masses_, count_ = 0;

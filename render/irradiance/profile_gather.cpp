@@ -2,92 +2,53 @@
 
 #include "model/check.h"
 #include "render/irradiance/all_pairs.h"
+#include "render/irradiance/certified_criterion.h"
 
 #include <cmath>
 
 namespace opaline {
 namespace {
 
-// Remainder of the two-point rule, as a fraction of flux * R: the third moment, times (size / scale)^3, and
-// for a query beside the patch what var |delta|^2 lacks of a disk's, times (trace / distance^2)^2. Fitted so
-// that the RMS error of a picture stays below the tolerance (tests/render).
-constexpr float third_remainder = 0.003f, fourth_remainder = 0.3f;
+/// What the sums lose by being taken in float: fluxes, weights and additions, relative to the sum.
+constexpr float sum_error = 3e-6f;
 
-/// Largest (radius / distance)^2 of an accepted patch.
-constexpr float max_opening = 0.5f;
-
-/// -d ln R / dr at r by a central difference in ln R.
-double log_slope(const Profile& profile, double r) {
-  const double h = 1e-4 * r, below = profile.evaluate(r - h), above = profile.evaluate(r + h);
-  return above > 0 && below > 0 ? std::log(below / above) / (2 * h) : 0;
-}
-
-/// Adds the sums of one query's patches.
-struct ExitanceSink {
-  const ProfileSum& profile;
-  std::vector<std::array<float, 3>>& sums;
-  std::size_t query = 0;
-  glm::vec3 position{0};
-
-  void begin(std::size_t q, const glm::vec3& p) { query = q, position = p; }
-  void add(const PatchList& patches, const float* weight) {
-    add_profile_sum(profile, patches, weight, position, sums[query].data());
-  }
-  void end() {}
+struct Exitance {
+  std::vector<std::array<float, 3>> sums, bounds;
 };
 
-/// A cluster is accepted when its estimated error is a small part of its own contribution, or of
-/// the flux-proportional share of the group's whole exitance. The shares add up to the whole, so the
-/// errors stay below twice the tolerance as far as the estimates hold.
-struct ErrorCriterion {
-  static constexpr float moments = 1;
-  const ClusterTree& tree;
-  const ChannelProfiles& profiles;
-  float tolerance;
-  bool clusters;       ///< false: only leaves are judged
-  float core_squared;  ///< of the narrowest profile [mm^2]
-  float floor;         ///< exitance below which a pixel counts as dark, per unit of total flux
-  float group_radius = 0;
-  float average[3] = {0, 0, 0};  ///< per table: estimated B / total flux at the group's centre
+/// Adds up one group's patches and their bounds.
+struct ExitanceSink {
+  const ProfileSum& profile;
+  Exitance& out;
+  float tolerance;            ///< 0: no group is ever repeated
+  std::array<float, 3> dark;  ///< exitance from which the tolerance is counted
+  std::span<const std::uint32_t> queries;
+  std::span<const glm::vec3> positions;
+  std::vector<std::array<float, 3>> sums{}, bounds{};
 
-  void begin_group(const glm::vec3& centre, float radius) {
-    group_radius = radius;
-    for (int t = 0; t < profiles.sum().table_count; ++t)
-      average[t] = std::max(floor, 0.5f * estimate(centre, *profiles.sum().tables[t]));
+  void begin_group(std::span<const std::uint32_t> group, std::span<const glm::vec3> at) {
+    queries = group, positions = at;
+    sums.assign(group.size(), {});
+    bounds.assign(group.size(), {});
   }
-
-  /// Coarse B per unit of flux at a point: clusters as points, opened while they look large.
-  float estimate(const glm::vec3& p, const ProfileTable& table) const {
-    float sum = 0, total = 0;
-    for (int m = 0; m < tree.masses; ++m) total += tree.mass[static_cast<std::size_t>(m)];
-    for (std::size_t i = 0; i < tree.nodes.size();) {
-      const ClusterNode& node = tree.nodes[i];
-      const glm::vec3 d = node.centroid - p;
-      const float r2 = glm::dot(d, d) + node.trace();
-      const bool use = node.cell != ClusterNode::no_cell || 3 * node.radius * node.radius < r2;
-      if (use)
-        for (int m = 0; m < tree.masses; ++m)
-          sum += tree.mass[i * static_cast<std::size_t>(tree.masses) + static_cast<std::size_t>(m)] * table(r2);
-      i = use ? node.skip : i + 1;
+  void add(const PatchList& patches, std::size_t first, std::size_t count, const std::array<float, 3>& bound) {
+    add_profile_sums(profile, patches, nullptr, positions.subspan(first, count), &sums[first]);
+    for (std::size_t i = first; i < first + count; ++i)
+      for (std::size_t o = 0; o < 3; ++o) bounds[i][o] += bound[o];
+  }
+  float end_group() {
+    float excess = 0;
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      for (std::size_t o = 0; o < 3; ++o) {
+        bounds[i][o] += sum_error * sums[i][o];
+        const float allowed = tolerance * std::max(sums[i][o], dark[o]);
+        if (bounds[i][o] > excess * allowed) excess = bounds[i][o] / std::max(allowed, 1e-30f);
+      }
+      out.sums[queries[i]] = sums[i];
+      out.bounds[queries[i]] = bounds[i];
     }
-    return total > 0 ? sum / total : 0;
+    return tolerance > 0 ? excess : 0;
   }
-
-  bool acceptable(float distance, float radius, float trace) const {
-    // The expansion needs the patch to be small against the distance, or against the flat core.
-    if (radius * radius > max_opening * (distance * distance + core_squared)) return false;
-    const float s = profiles.inverse_scale(distance), w = trace / (distance * distance + core_squared);
-    const float error = third_remainder * s * s * s * radius * trace + fourth_remainder * w * w;
-    if (error <= tolerance) return true;
-    for (int t = 0; t < profiles.sum().table_count; ++t)
-      if ((*profiles.sum().tables[t])(distance * distance) * error > tolerance * average[t]) return false;
-    return true;
-  }
-  bool accept(const ClusterNode& node, float distance) const {
-    if (!clusters && node.cell == ClusterNode::no_cell) return false;
-    return acceptable(std::max(0.0f, distance - group_radius), node.radius, node.trace());
-  }
-  bool accept_part(float distance, float radius, float trace) const { return acceptable(distance, radius, trace); }
 };
 
 /// The published test: the node looks small and the point is outside it. Leaves are points.
@@ -95,33 +56,23 @@ struct SolidAngleCriterion {
   static constexpr float moments = 0;
   float quality;
   void begin_group(const glm::vec3&, float) {}
-  bool accept(const ClusterNode& node, float distance) const {
-    return node.cell != ClusterNode::no_cell || (distance > node.radius && node.area < quality * distance * distance);
+  bool accept(const ClusterNode& node, float distance, float) const {
+    return node.leaf() || (distance > node.extent.radius && node.area < quality * distance * distance);
   }
-  bool accept_part(float, float, float) const { return true; }
+  bool accept_part(const ClusterNode&, float, float, float) const { return true; }
+  void use(const float*, float) {}
+  std::array<float, 3> take_bound() { return {}; }
+  void tighten(float) {}
 };
-
-/// A thousandth of the mean irradiance of the lit cells, per unit of total flux: 1e-3 / lit area.
-float dark_level(const ClusterTree& tree) { return 1e-3f / tree.nodes.front().area; }
-
-template <typename Criterion>
-GatherCounts run(const ClusterTree& tree, const SurfaceCells& cells, const ChannelProfiles& profiles,
-                 std::span<const glm::vec3> points, const Criterion& criterion, std::size_t group_size,
-                 std::vector<std::array<float, 3>>& sums) {
-  return gather(
-      tree, cells, points, [&] { return criterion; },
-      [&] {
-        return ExitanceSink{profiles.sum(), sums};
-      },
-      group_size);
-}
 
 void count(const GatherCounts& c, const ClusterTree& tree, const ChannelProfiles& profiles, std::size_t points,
            Counters& counters) {
   counters.done["queries"] += points;
+  counters.done["groups"] += c.groups;
+  counters.done["groups_repeated"] += c.groups_repeated;
   counters.done["nodes_visited"] += c.nodes_visited;
   counters.done["clusters"] += c.clusters;
-  counters.done["near_cells"] += c.near_cells;
+  counters.done["cells"] += c.cells;
   counters.done["cell_parts"] += c.cell_parts;
   counters.done["channels"] += static_cast<std::uint64_t>(profiles.distinct());
   counters.skipped["equal_channels"] += 3 - static_cast<std::uint64_t>(profiles.distinct());
@@ -137,7 +88,8 @@ double diameter(const Mesh& mesh) {
   return glm::length(glm::dvec3(hi) - glm::dvec3(lo));
 }
 
-ChannelProfiles::ChannelProfiles(const ProfileInfo& info, const Material& material, double r_max) {
+ChannelProfiles::ChannelProfiles(const ProfileInfo& info, const Material& material, double r_max,
+                                 double largest_coordinate) {
   double core = r_max;
   std::vector<int> owner;  // channel whose profile each table holds
   for (int c = 0; c < 3; ++c) {
@@ -151,53 +103,111 @@ ChannelProfiles::ChannelProfiles(const ProfileInfo& info, const Material& materi
     sum_.table_of[c] = table;
     core = std::min(core, profile(c).core_radius());
   }
-  core_radius_ = static_cast<float>(core);
   sum_.table_count = static_cast<int>(owner.size());
   tables_.reserve(owner.size());
+  std::vector<const Profile*> distinct;
   for (const int c : owner) {
     const Profile& p = profile(c);
+    distinct.push_back(&p);
     tables_.emplace_back([&p](double r) { return p.evaluate(r); }, core, r_max);  // one core: same segments
     sum_.tables[tables_.size() - 1] = &tables_.back();
   }
-  inverse_scale_ = ProfileTable(
-      [&](double r) {
-        double steepest = 0;
-        for (const int c : owner) {
-          const double slope = r > 0 ? log_slope(profile(c), r) : 0, z = profile(c).core_radius();
-          steepest = std::max(steepest, std::sqrt(slope * slope + 1 / (r * r + z * z)));
-        }
-        return steepest;
-      },
-      core, r_max);
+  // Two half units in the last place of each of three coordinates.
+  const double position_error =
+      2 * std::sqrt(3.0) * 0x1p-24 * (largest_coordinate > 0 ? largest_coordinate : r_max / 2);
+  bounds_ = ProfileBounds(distinct, sum_, core, r_max, position_error);
+  channel_bounds_ = bounds_.per_channel(sum_.table_of);
 }
+
+namespace {
+
+/// A thousandth of the mean irradiance of the lit cells, per channel: below that a point counts as dark.
+std::array<float, 3> dark_level(const ClusterTree& tree) {
+  std::array<float, 3> dark{};
+  for (std::size_t o = 0; o < 3; ++o)
+    dark[o] = static_cast<float>(1e-3 * tree.total_mass[tree.masses == 1 ? 0 : o]) / tree.nodes.front().area;
+  return dark;
+}
+
+using Criterion = GatherSettings::Criterion;
+
+bool bounded(const GatherSettings& settings) {
+  return settings.criterion == Criterion::bound || settings.criterion == Criterion::error;
+}
+
+/// How many times larger than the error the bound is taken to be. Bounds add up without cancelling and take every
+/// derivative at its largest, so they are far above the errors, the more so the larger the clusters are. Calibrated on
+/// the worst pixel of pictures (tests/render); single cells are no clusters.
+float pessimism(const GatherSettings& settings) {
+  if (settings.criterion == Criterion::error)
+    return std::max(1.0f, 500 * static_cast<float>(std::pow(100 * settings.max_relative_error, 0.25)));
+  return settings.criterion == Criterion::none ? 20 : 1;
+}
+
+Exitance gather_sums(const ClusterTree& tree, const SurfaceCells& cells, const ChannelProfiles& profiles,
+                     std::span<const glm::vec3> points, const GatherSettings& settings, GatherCounts& counts) {
+  Exitance out;
+  out.sums.assign(points.size(), {0, 0, 0});
+  out.bounds.assign(points.size(), {0, 0, 0});
+  if (tree.nodes.empty()) return out;
+  const auto tolerance = static_cast<float>(settings.max_relative_error);
+  const std::array<float, 3> dark = dark_level(tree);
+  const float too_large = pessimism(settings);
+  const CertifiedCriterion certified(tree, profiles.bounds(tree.masses), profiles.sum(), tolerance,
+                                     {dark[0], dark[1], dark[2], 0}, too_large);
+  // An estimated group is repeated when its bounds are unusual: some of its points are much darker than its middle.
+  const float allowed = settings.criterion == Criterion::bound   ? tolerance
+                        : settings.criterion == Criterion::error ? 0.25f * too_large * tolerance
+                                                                 : 0;
+  const auto sink = [&] { return ExitanceSink{profiles.sum(), out, allowed, dark, {}, {}}; };
+  if (settings.criterion == Criterion::none) {
+    counts = sum_all_pairs(tree, cells, profiles.sum(), points, certified,
+                           4 * std::sqrt(profiles.bounds(tree.masses).core_squared()), out.sums);
+  } else if (settings.criterion == Criterion::solid_angle) {
+    const SolidAngleCriterion criterion{static_cast<float>(settings.quality)};
+    counts = gather(
+        tree, cells, points, [&] { return criterion; }, sink, 1);
+  } else {
+    counts = gather(
+        tree, cells, points, [&] { return certified; }, sink);
+  }
+  return out;
+}
+
+/// Points where some channel's bound is larger than was asked.
+std::uint64_t over_tolerance(const Exitance& e, const ClusterTree& tree, double tolerance) {
+  if (tree.nodes.empty()) return 0;
+  const std::array<float, 3> dark = dark_level(tree);
+  std::uint64_t over = 0;
+  for (std::size_t i = 0; i < e.sums.size(); ++i) {
+    bool within = true;
+    for (std::size_t o = 0; o < 3; ++o)
+      within &= e.bounds[i][o] <= static_cast<float>(tolerance) * std::max(e.sums[i][o], dark[o]);
+    over += !within;
+  }
+  return over;
+}
+
+}  // namespace
 
 std::vector<glm::vec3> gather_exitance(const ClusterTree& tree, const SurfaceCells& cells,
                                        const ChannelProfiles& profiles, const Rgb& light_colour,
                                        std::span<const glm::vec3> points, const GatherSettings& settings,
-                                       Counters& counters) {
+                                       Counters& counters, std::vector<glm::vec3>* bound) {
   OPALINE_CHECK(tree.masses == 1 || tree.masses == 3);
-  std::vector<std::array<float, 3>> sums(points.size(), {0, 0, 0});
   GatherCounts counts;
-  if (!tree.nodes.empty() && settings.criterion == GatherSettings::Criterion::solid_angle) {
-    const SolidAngleCriterion criterion{static_cast<float>(settings.quality)};
-    counts = run(tree, cells, profiles, points, criterion, 1, sums);
-  } else if (!tree.nodes.empty()) {
-    const bool clusters = settings.criterion == GatherSettings::Criterion::error;
-    const ErrorCriterion criterion{tree,
-                                   profiles,
-                                   static_cast<float>(settings.max_relative_error),
-                                   clusters,
-                                   profiles.core_radius() * profiles.core_radius(),
-                                   dark_level(tree)};
-    counts = clusters ? run(tree, cells, profiles, points, criterion, 64, sums)
-                      : sum_all_pairs(tree, cells, profiles.sum(), points, criterion, 4 * profiles.core_radius(), sums);
-  }
+  const Exitance e = gather_sums(tree, cells, profiles, points, settings, counts);
   count(counts, tree, profiles, points.size(), counters);
+  if (settings.criterion == Criterion::bound)
+    counters.done["queries_over_tolerance"] += over_tolerance(e, tree, settings.max_relative_error);
   std::vector<glm::vec3> exitance(points.size());
+  const bool with_bound = bound && bounded(settings);
+  if (bound) bound->assign(with_bound ? points.size() : 0, glm::vec3(0));
   for (std::size_t i = 0; i < points.size(); ++i)
     for (int c = 0; c < 3; ++c) {
-      const int s = tree.masses == 1 ? profiles.sum().table_of[c] : c;
-      exitance[i][c] = sums[i][static_cast<std::size_t>(s)] * static_cast<float>(light_colour[c]);
+      const auto o = static_cast<std::size_t>(tree.masses == 1 ? profiles.sum().table_of[c] : c);
+      exitance[i][c] = e.sums[i][o] * static_cast<float>(light_colour[c]);
+      if (with_bound) (*bound)[i][c] = e.bounds[i][o] * static_cast<float>(light_colour[c]);
     }
   return exitance;
 }

@@ -22,7 +22,7 @@ using V = TableVector;
 constexpr std::size_t block = 32 * PatchList::lanes;
 
 struct Points {
-  HWY_ALIGN float near[block], far[block];
+  HWY_ALIGN float near[block], far[block], share_of_near[block];
   HWY_ALIGN float dx[block], dy[block], dz[block], per_spread[block];  // only for several flux channels
 };
 
@@ -41,11 +41,12 @@ struct Sum {
       const TwoPoints<V> q = two_points(d, patches, begin + i, position);
       hn::Store(q.near, d, p.near + i);
       hn::Store(q.far, d, p.far + i);
+      hn::Store(hn::Add(hn::Set(d, 0.5f), q.tilt), d, p.share_of_near + i);
       if (!Moments) continue;
       hn::Store(q.dx, d, p.dx + i);
       hn::Store(q.dy, d, p.dy + i);
       hn::Store(q.dz, d, p.dz + i);
-      hn::Store(hn::Div(hn::Set(d, 1.0f), hn::Add(q.spread, hn::Set(d, 1e-30f))), d, p.per_spread + i);
+      hn::Store(hn::Div(hn::Set(d, 1.0f), q.spread), d, p.per_spread + i);
     }
   }
 
@@ -83,9 +84,11 @@ struct Sum {
       V value[2][Tables];
       look_up(p, i, value);
       const V mass = weighted(hn::LoadU(d, patches.mass() + begin + i), weights, i);
-      for (int t = 0; t < Tables; ++t) sum[t] = hn::MulAdd(mass, hn::Add(value[0][t], value[1][t]), sum[t]);
+      const V at_near = hn::Mul(mass, hn::Load(d, p.share_of_near + i)), at_far = hn::Sub(mass, at_near);
+      for (int t = 0; t < Tables; ++t)
+        sum[t] = hn::MulAdd(at_near, value[0][t], hn::MulAdd(at_far, value[1][t], sum[t]));
     }
-    for (int t = 0; t < Tables; ++t) total[t] += 0.5 * static_cast<double>(hn::GetLane(hn::SumOfLanes(d, sum[t])));
+    for (int t = 0; t < Tables; ++t) total[t] += static_cast<double>(hn::GetLane(hn::SumOfLanes(d, sum[t])));
   }
 
   /// Three flux channels: each moves flux between the two points by its own first moment.
@@ -107,8 +110,8 @@ struct Sum {
       for (int c = 0; c < 3; ++c) {
         const V near = value[0][c], far = value[1][c];
         const V along = hn::MulAdd(dx, px[c], hn::MulAdd(dy, py[c], hn::Mul(dz, pz[c])));
-        V term = hn::Mul(hn::Mul(hn::Set(d, 0.5f), mass[c]), hn::Add(near, far));
-        term = hn::MulAdd(hn::Mul(along, per_spread), hn::Sub(near, far), term);
+        const V at_near = hn::MulAdd(mass[c], hn::Load(d, p.share_of_near + i), hn::Mul(along, per_spread));
+        const V term = hn::MulAdd(at_near, hn::Sub(near, far), hn::Mul(mass[c], far));
         sum[c] = hn::Add(sum[c], weighted(term, weights, i));
       }
     }

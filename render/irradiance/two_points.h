@@ -16,19 +16,46 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 template <class V>
 struct TwoPoints {
-  V dx, dy, dz;         ///< query minus centroid [mm]
-  V near, far, spread;  ///< q0 - s (>= 0), q0 + s, s [mm^2]
+  V dx, dy, dz;  ///< query minus centroid [mm]
+  V near, far;   ///< the two values of q, near < far, near >= 0 [mm^2]
+  V spread;      ///< half their distance [mm^2]
+  V tilt;        ///< near weighs 1/2 + tilt, far 1/2 - tilt
 };
 
-/// Square root by one Newton step, relative error below 5e-7; 0 below 1e-36. A true one takes longer than all the rest.
+/// 1 / sqrt(x) by one Newton step, relative error below 5e-7; x > 0. A true root takes longer than all the rest.
 template <class D, class V = hn::Vec<D>>
-HWY_INLINE V fast_sqrt(D d, V x) {
+HWY_INLINE V fast_inverse_sqrt(D d, V x) {
 #if HWY_TARGET == HWY_SCALAR  // its guess has eight bits only
-  return hn::Sqrt(hn::Max(x, hn::Zero(d)));
+  return hn::Div(hn::Set(d, 1.0f), hn::Sqrt(x));
+#else
+  const V guess = hn::ApproximateReciprocalSqrt(x);
+  const V half = hn::Mul(hn::Mul(hn::Set(d, 0.5f), x), guess);
+  return hn::Mul(guess, hn::NegMulAdd(half, guess, hn::Set(d, 1.5f)));
 #endif
-  const V y = hn::Max(x, hn::Set(d, 1e-36f)), guess = hn::ApproximateReciprocalSqrt(y), root = hn::Mul(y, guess);
-  const V corrected = hn::Mul(root, hn::NegMulAdd(hn::Mul(root, guess), hn::Set(d, 0.5f), hn::Set(d, 1.5f)));
-  return hn::IfThenElseZero(hn::Gt(x, hn::Set(d, 1e-36f)), corrected);
+}
+
+/// E (x . delta)^3 and E (x . delta) |delta|^2 of the patches at x = D.
+template <class V>
+struct ThirdMoments {
+  V cubic, radial;
+};
+
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE ThirdMoments<V> third_moments(D d, const PatchList& patches, std::size_t i, const TwoPoints<V>& r, V xx,
+                                         V yy, V zz) {
+  V k[10];
+  for (int m = 0; m < 10; ++m) k[m] = hn::LoadU(d, patches.row(11 + m) + i);
+  const V yz = hn::Mul(r.dy, r.dz), third = hn::Set(d, 1.0f / 3);
+  // Ordered by powers of x, y, z: xxx xxy xxz xyy xyz xzz yyy yyz yzz zzz.
+  const V with_xx = hn::MulAdd(k[0], r.dx, hn::MulAdd(k[1], r.dy, hn::Mul(k[2], r.dz)));
+  const V with_x = hn::MulAdd(k[3], yy, hn::MulAdd(k[4], yz, hn::Mul(k[5], zz)));
+  const V with_yy = hn::MulAdd(k[6], r.dy, hn::Mul(k[7], r.dz));
+  const V with_zz = hn::MulAdd(k[8], r.dy, hn::Mul(k[9], r.dz));
+  const V cubic = hn::MulAdd(with_xx, xx, hn::MulAdd(with_x, r.dx, hn::MulAdd(with_yy, yy, hn::Mul(with_zz, zz))));
+  // The Laplacian of the cubic, over 6.
+  const V tx = hn::MulAdd(third, hn::Add(k[3], k[5]), k[0]), ty = hn::MulAdd(third, hn::Add(k[1], k[8]), k[6]),
+          tz = hn::MulAdd(third, hn::Add(k[2], k[7]), k[9]);
+  return {cubic, hn::MulAdd(tx, r.dx, hn::MulAdd(ty, r.dy, hn::Mul(tz, r.dz)))};
 }
 
 template <class D, class V = hn::Vec<D>>
@@ -37,18 +64,26 @@ HWY_INLINE TwoPoints<V> two_points(D d, const PatchList& patches, std::size_t i,
   r.dx = hn::Sub(hn::Set(d, position.x), hn::LoadU(d, patches.row(0) + i));
   r.dy = hn::Sub(hn::Set(d, position.y), hn::LoadU(d, patches.row(1) + i));
   r.dz = hn::Sub(hn::Set(d, position.z), hn::LoadU(d, patches.row(2) + i));
-  const V xx = hn::LoadU(d, patches.row(3) + i), xy = hn::LoadU(d, patches.row(4) + i),
-          xz = hn::LoadU(d, patches.row(5) + i), yy = hn::LoadU(d, patches.row(6) + i),
-          yz = hn::LoadU(d, patches.row(7) + i), zz = hn::LoadU(d, patches.row(8) + i),
-          trace = hn::LoadU(d, patches.row(9) + i);
+  const V xx = hn::Mul(r.dx, r.dx), yy = hn::Mul(r.dy, r.dy), zz = hn::Mul(r.dz, r.dz);
+  const auto c = [&](int row) HWY_ATTR { return hn::LoadU(d, patches.row(row) + i); };
   // D^T C D with the off-diagonal terms counted twice.
-  const V x2 = hn::Add(r.dx, r.dx), y2 = hn::Add(r.dy, r.dy);
-  const V along_x = hn::MulAdd(xx, hn::Mul(r.dx, r.dx), hn::Mul(x2, hn::MulAdd(xy, r.dy, hn::Mul(xz, r.dz))));
-  const V along_y = hn::MulAdd(yy, hn::Mul(r.dy, r.dy), hn::Mul(y2, hn::Mul(yz, r.dz)));
-  const V along = hn::Add(hn::Add(along_x, along_y), hn::Mul(zz, hn::Mul(r.dz, r.dz)));
-  const V variance = hn::MulAdd(hn::Set(d, 4.0f), along, hn::Mul(trace, hn::Mul(trace, hn::Set(d, 1.0f / 3))));
-  r.spread = fast_sqrt(d, variance);
-  const V middle = hn::Add(hn::MulAdd(r.dx, r.dx, hn::MulAdd(r.dy, r.dy, hn::Mul(r.dz, r.dz))), trace);
+  const V mixed = hn::MulAdd(hn::MulAdd(c(4), r.dy, hn::Mul(c(5), r.dz)), r.dx, hn::Mul(hn::Mul(c(7), r.dy), r.dz));
+  const V pure = hn::MulAdd(c(3), xx, hn::MulAdd(c(6), yy, hn::Mul(c(8), zz)));
+  const V along = hn::MulAdd(hn::Set(d, 2.0f), mixed, pure);
+  const V trace = c(9);
+  const ThirdMoments<V> third = third_moments(d, patches, i, r, xx, yy, zz);
+  // The floor is for cancellation: the parts are known to 1e-6, and padding has none.
+  const V parts = hn::MulAdd(hn::Set(d, 4.0f), along, c(10));
+  const V floor = hn::MulAdd(hn::Set(d, 1e-5f), parts, hn::Set(d, 1e-36f));
+  const V variance = hn::Max(hn::NegMulAdd(hn::Set(d, 4.0f), third.radial, parts), floor);
+  const V skew = hn::MulAdd(hn::Mul(hn::Set(d, 4.0f), trace), along, hn::Mul(hn::Set(d, -8.0f), third.cubic));
+  const V guess = hn::ApproximateReciprocal(variance);  // followed by a Newton step
+  const V half_gamma =
+      hn::Mul(hn::Mul(skew, guess), hn::NegMulAdd(hn::Mul(hn::Set(d, 0.5f), variance), guess, hn::Set(d, 1.0f)));
+  const V square = hn::MulAdd(half_gamma, half_gamma, variance), per_spread = fast_inverse_sqrt(d, square);
+  r.spread = hn::Mul(square, per_spread);
+  r.tilt = hn::Mul(hn::Set(d, 0.5f), hn::Mul(half_gamma, per_spread));
+  const V middle = hn::Add(hn::Add(xx, hn::Add(yy, zz)), hn::Add(trace, half_gamma));
   r.near = hn::Max(hn::Sub(middle, r.spread), hn::Zero(d));
   r.far = hn::Add(middle, r.spread);
   return r;

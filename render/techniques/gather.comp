@@ -1,7 +1,8 @@
 // One query per invocation: a walk through the cluster tree with skip pointers, near cells split in quarters until
 // they are small. One loop and no stack: it stops after some steps and goes on in the next dispatch, because software
-// renderers end a loop silently after 65536 turns. The twin of render/irradiance/gather.h and profile_sum.cpp, patch by patch; a cluster is judged by
-// its own contribution alone, so more of them are opened than on the processor.
+// renderers end a loop silently after 65536 turns. The twin of render/irradiance/gather.h and profile_sum.cpp, but for
+// two things: a cluster is judged by an estimate of its own error alone, so more of them are opened than on the
+// processor, and the two-point rule keeps the mean and the variance of q, with that of a disk for |delta|^2.
 // Given before this text, as constants, because software renderers run both sides of every branch:
 //   int masses; bool clusters, solid_angle
 layout(local_size_x = 64) in;
@@ -32,7 +33,7 @@ uniform vec3 tables;  // which profile serves each channel of three masses
 
 const uint no_cell = 0xffffffffu;
 const int max_depth = 12;
-// As in profile_gather.cpp: the remainder of the two-point rule, and how near a patch may be.
+// Estimated remainder of the two-point rule, and how near a patch may be.
 const float third_remainder = 0.003, fourth_remainder = 0.3, max_opening = 0.5;
 
 bool acceptable(float d2, float radius, float trace) {
@@ -53,7 +54,7 @@ vec3 profiles_of(float r2) {
   return vec3(r[t.x], r[t.y], r[t.z]);
 }
 
-// The two-point rule of patches.h. `scale` shrinks the covariance to that of a part; moments: 0 for a point.
+// The two-point rule. `scale` shrinks the covariance to that of a part; moments: 0 for a point.
 vec3 patch_sum(uint node, vec3 from_centre, float scale, bool whole) {
   Node n = nodes[node];
   vec3 d = from_centre;

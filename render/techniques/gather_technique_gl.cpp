@@ -22,8 +22,10 @@ std::vector<GlNode> gl_nodes(const ClusterTree& tree) {
   nodes.reserve(tree.nodes.size());
   for (const ClusterNode& n : tree.nodes) {
     const float* c = n.covariance;
-    nodes.push_back(
-        {glm::vec4(n.centroid, n.radius), {c[0], c[1], c[2], c[3]}, {c[4], c[5], n.area, 0}, {n.skip, n.cell, 0, 0}});
+    nodes.push_back({glm::vec4(n.centroid, n.extent.radius),
+                     {c[0], c[1], c[2], c[3]},
+                     {c[4], c[5], n.area, 0},
+                     {n.skip, n.cell, 0, 0}});
   }
   return nodes;
 }
@@ -108,7 +110,7 @@ class GlGather : public PreparedTechnique {
     program.set("node_count", static_cast<int>(object.tree.nodes.size()));
     program.set("tolerance", static_cast<float>(settings_.max_relative_error));
     program.set("quality", static_cast<float>(settings_.quality));
-    program.set("core_squared", object.profiles.core_radius() * object.profiles.core_radius());
+    program.set("core_squared", object.texture.core_squared());
     const int* table = object.profiles.sum().table_of;
     program.set("tables", glm::vec3(table[0], table[1], table[2]));
   }

@@ -1,5 +1,6 @@
-// The reference: the gather through a tree of clusters, with an error-controlled criterion or the
-// published one.
+// The reference: the gather through a tree of clusters, accepted by the error of doing so (an estimate, or a rigorous
+// bound) or as published. The frame's image "bound" holds whichever of the first two decides.
+#include "render/input_error.h"
 #include "render/techniques/gather_technique.h"
 
 namespace opaline {
@@ -7,8 +8,10 @@ namespace {
 
 GatherSettings gather_settings(const Settings& settings) {
   GatherSettings gather;
-  gather.criterion = settings.word("criterion") == "solid_angle" ? GatherSettings::Criterion::solid_angle
-                                                                 : GatherSettings::Criterion::error;
+  const std::string& criterion = settings.word("criterion");
+  gather.criterion = criterion == "solid_angle" ? GatherSettings::Criterion::solid_angle
+                     : criterion == "bound"     ? GatherSettings::Criterion::bound
+                                                : GatherSettings::Criterion::error;
   gather.max_relative_error = settings.number("max_relative_error");
   gather.quality = settings.number("quality");
   return gather;
@@ -20,31 +23,41 @@ std::unique_ptr<PreparedTechnique> prepare(const SharedScene& shared, const Sett
 
 std::unique_ptr<PreparedTechnique> prepare_gpu(const SharedScene& shared, const Settings& settings,
                                                const gl::Context& context) {
+  if (settings.word("criterion") == "bound")
+    throw InputError("--set", "criterion=bound",
+                     "bounds are made on the processor alone: take --backend cpu, or one of error, solid_angle");
   return prepare_gather_gl(shared, settings.word("profile"), gather_settings(settings), context);
 }
 
 }  // namespace
 
 Technique hierarchical_technique() {
-  return {
-      .name = "hierarchical",
-      .summary = "clusters of cells stand for their cells where the estimated error allows it",
-      .citation = "Jensen, Buhler 2002, \"A Rapid Hierarchical Rendering Technique for Translucent Materials\"",
-      .backends = {"cpu", "gpu"},
-      .limits = "any scene; the error criterion is an estimate, not a bound",
-      .settings =
-          {profile_setting(),
-           {"criterion",
-            "error",
-            "which clusters are accepted: by estimated error, or by solid angle as published",
-            {"error", "solid_angle"}},
-           {"max_relative_error", "1e-3", "criterion=error: tolerance relative to each pixel's exitance", {}, 1e-7, 1},
-           {"quality", "0.2", "criterion=solid_angle: largest area / distance^2", {}, 1e-6, 100}},
-      .invalidated_by = {.camera = false, .light = true, .material = true, .geometry = true},
-      .not_applicable = gather_not_applicable,
-      .prepare = prepare,
-      .prepare_gpu = prepare_gpu,
-      .twin_tolerance = 1e-3};
+  return {.name = "hierarchical",
+          .summary = "clusters of cells stand for their cells where the estimated error allows it",
+          .citation = "Jensen, Buhler 2002, \"A Rapid Hierarchical Rendering Technique for Translucent Materials\"",
+          .backends = {"cpu", "gpu"},
+          .limits =
+              "any scene; returns a bound of its own error beside the image, except with criterion=solid_angle and on "
+              "the GPU",
+          .settings =
+              {profile_setting(),
+               {"criterion",
+                "error",
+                "which clusters are accepted: by an estimate of the error, by its rigorous bound, or by solid angle as "
+                "published",
+                {"error", "bound", "solid_angle"}},
+               {"max_relative_error",
+                "1e-3",
+                "criterion=error, bound: tolerance relative to each pixel's exitance",
+                {},
+                1e-7,
+                1},
+               {"quality", "0.2", "criterion=solid_angle: largest area / distance^2", {}, 1e-6, 100}},
+          .invalidated_by = {.camera = false, .light = true, .material = true, .geometry = true},
+          .not_applicable = gather_not_applicable,
+          .prepare = prepare,
+          .prepare_gpu = prepare_gpu,
+          .twin_tolerance = 1e-3};
 }
 
 }  // namespace opaline

@@ -3,6 +3,7 @@
 #include "model/materials/library.h"
 #include "model/profiles/profile.h"
 #include "model/simd.h"
+#include "tests/support/two_point_rule.h"
 
 #include <gtest/gtest.h>
 
@@ -95,12 +96,7 @@ ClusterTree random_tree(std::size_t count, int masses, std::mt19937& random) {
     ClusterNode node{};
     node.centroid = {3 * side(random), 3 * side(random), 3 * side(random)};
     if (i % 7 == 3) node.centroid = {0.01f * side(random), 0.5f, 0.25f};  // next to the query
-    // A sum of two squares: a valid covariance.
-    for (int k = 0; k < 2; ++k) {
-      const glm::vec3 d(0.3f * side(random), 0.3f * side(random), 0.3f * side(random));
-      const float square[6] = {d.x * d.x, d.x * d.y, d.x * d.z, d.y * d.y, d.y * d.z, d.z * d.z};
-      for (int e = 0; e < 6; ++e) node.covariance[e] += square[e];
-    }
+    test::give_moments(node, 0.4f, [&] { return side(random); });
     tree.nodes.push_back(node);
     for (std::size_t m = 0; m < width; ++m) tree.mass.push_back(unit(random));
     if (masses > 1)
@@ -113,28 +109,27 @@ struct Sums {
   std::vector<double> value, magnitude;
 };
 
-/// The two-point rule: half the flux at either q, shifted by the first moment of the channel.
+/// The two-point rule: the flux goes to two values of q, shifted by the first moment of the channel.
 void add_patch(const RadialBasis& basis, const ClusterTree& tree, std::size_t i, double weight,
-               const glm::dvec3& position, Sums& sums) {
-  const ClusterNode& node = tree.nodes[i];
-  const glm::dvec3 d = position - glm::dvec3(node.centroid);
-  const float* c = node.covariance;
-  const glm::dmat3 covariance(c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5]);
-  const double trace = covariance[0][0] + covariance[1][1] + covariance[2][2];
-  const double middle = glm::dot(d, d) + trace, spread = std::sqrt(4 * glm::dot(d, covariance * d) + trace * trace / 3);
-  const Landing near = landing(basis, std::max(middle - spread, 0.0)), far = landing(basis, middle + spread);
+               const glm::vec3& position, Sums& sums) {
+  const test::TwoPointRule rule = test::two_point_rule(tree.nodes[i], position);
+  const Landing near = landing(basis, rule.near), far = landing(basis, rule.far);
   const auto masses = static_cast<std::size_t>(tree.masses);
   for (std::size_t m = 0; m < masses; ++m) {
     double shift = 0;
     for (int axis = 0; axis < 3 && masses > 1; ++axis)
-      shift += d[axis] * static_cast<double>(tree.first_moment[(i * 3 + static_cast<std::size_t>(axis)) * masses + m]) /
-               spread;
-    const double half = static_cast<double>(tree.mass[i * masses + m]) / 2;
+      shift += rule.d[axis] *
+               static_cast<double>(tree.first_moment[(i * 3 + static_cast<std::size_t>(axis)) * masses + m]) /
+               rule.spread;
+    const double mass = static_cast<double>(tree.mass[i * masses + m]), share = rule.share_of_near;
     for (int j = 0; j < 4; ++j)
-      for (const auto& [at, flux] : {std::pair(&near, half + shift), std::pair(&far, half - shift)}) {
+      for (const auto& [at, flux] :
+           {std::pair(&near, share * mass + shift), std::pair(&far, (1 - share) * mass - shift)}) {
         const std::size_t to = static_cast<std::size_t>(at->first + j) * masses + m;
         sums.value[to] += weight * flux * at->value[j];
-        sums.magnitude[to] += std::abs(weight * flux * at->value[j]);
+        // The nearer q is a difference of floats of the further one's size.
+        const double condition = at == &near ? 1 + 0.1 * rule.far / (rule.near + basis.x_0()) : 1;
+        sums.magnitude[to] += condition * std::abs(weight * flux * at->value[j]);
       }
   }
 }

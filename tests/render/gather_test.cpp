@@ -109,7 +109,7 @@ TEST(Gather, FewerClustersForLessExactPictures) {
     p.gather.gather(p.points, by_error(tolerance), &counters);
     EXPECT_EQ(counters.done["queries"], p.points.size());
     EXPECT_EQ(counters.skipped["cell_splits_at_depth_limit"], 0u);
-    return counters.done["clusters"] + counters.done["near_cells"] + counters.done["cell_parts"];
+    return counters.done["clusters"] + counters.done["cells"] + counters.done["cell_parts"];
   };
   EXPECT_LT(work(1e-2), work(1e-3));
   EXPECT_LT(work(1e-3), work(1e-4));
@@ -156,7 +156,8 @@ TEST(MortonOrder, IsAPermutationThatKeepsNeighboursTogether) {
   std::vector<glm::vec3> grid;
   for (int y = 0; y < 16; ++y)
     for (int x = 0; x < 16; ++x) grid.emplace_back(x, y, 3);
-  const std::vector<std::uint32_t> order = morton_order(grid);
+  std::vector<std::uint32_t> order;
+  for (const MortonKey& key : morton_sorted(grid)) order.push_back(key.index);
   std::vector<std::uint32_t> sorted = order, all(grid.size());
   std::sort(sorted.begin(), sorted.end());
   std::iota(all.begin(), all.end(), 0u);
@@ -208,7 +209,7 @@ TEST(Gather, InTheDarkEverythingIsExactlyBlack) {
     for (const glm::vec3& b : p.gather.gather(p.points, settings, &counters)) EXPECT_EQ(b, glm::vec3(0));
     EXPECT_EQ(counters.done["queries"], p.points.size());
     EXPECT_EQ(counters.skipped["dark_cells"], p.gather.cells.size());
-    EXPECT_EQ(counters.done["clusters"] + counters.done["near_cells"], 0u);
+    EXPECT_EQ(counters.done["clusters"] + counters.done["cells"], 0u);
   }
 }
 
@@ -244,7 +245,7 @@ TEST(Gather, TheSolidAngleCriterionSumsPointsAndNothingElse) {
       const ClusterNode& node = tree.nodes[n];
       const double d = static_cast<double>(glm::length(node.centroid - p.points[i]));
       const bool inner = node.cell == ClusterNode::no_cell;
-      const bool small = d > static_cast<double>(node.radius) && static_cast<double>(node.area) < 0.3 * d * d;
+      const bool small = d > static_cast<double>(node.extent.radius) && static_cast<double>(node.area) < 0.3 * d * d;
       if (!inner || small) sum += static_cast<double>(tree.mass[n]) * p.gather.profiles.profile(1).evaluate(d);
       n = !inner || small ? node.skip : n + 1;
     }

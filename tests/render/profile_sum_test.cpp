@@ -4,6 +4,7 @@
 #include "model/simd.h"
 #include "tests/support/exitance_oracle.h"
 #include "tests/support/render_fixture.h"
+#include "tests/support/two_point_rule.h"
 
 #include <random>
 
@@ -19,11 +20,7 @@ ClusterTree random_patches(std::size_t count, int masses) {
   for (std::size_t i = 0; i < count; ++i) {
     ClusterNode node{};
     node.centroid = {3 * any(random), 3 * any(random), 3 * any(random)};
-    const glm::vec3 u(0.3f * any(random), 0.3f * any(random), 0.3f * any(random));
-    const glm::vec3 v(0.3f * any(random), 0.3f * any(random), 0.3f * any(random));
-    int k = 0;
-    for (int a = 0; a < 3; ++a)
-      for (int b = a; b < 3; ++b) node.covariance[k++] = u[a] * u[b] + v[a] * v[b];
+    test::give_moments(node, 0.4f, [&] { return any(random); });
     tree.nodes.push_back(node);
     for (int m = 0; m < masses; ++m) tree.mass.push_back(positive(random));
     for (int m = 0; masses > 1 && m < 3 * masses; ++m) tree.first_moment.push_back(0.05f * any(random));
@@ -36,20 +33,6 @@ PatchList patches_of(const ClusterTree& tree) {
   for (std::size_t i = 0; i < tree.nodes.size(); ++i) list.push(tree, i);
   list.pad();
   return list;
-}
-
-/// The two-point rule for one patch, written out: q = |D - delta|^2 has mean q0 and standard deviation s.
-struct TwoPointRule {
-  double near, far, spread;
-  glm::dvec3 d;
-};
-TwoPointRule two_point_rule(const ClusterNode& node, const glm::vec3& position) {
-  const float* c = node.covariance;
-  const glm::dmat3 covariance(c[0], c[1], c[2], c[1], c[3], c[4], c[2], c[4], c[5]);
-  const glm::dvec3 d = glm::dvec3(position) - glm::dvec3(node.centroid);
-  const double trace = covariance[0][0] + covariance[1][1] + covariance[2][2];
-  const double s = std::sqrt(4 * glm::dot(d, covariance * d) + trace * trace / 3), q0 = glm::dot(d, d) + trace;
-  return {std::max(q0 - s, 0.0), q0 + s, s, d};
 }
 
 /// R of one of the tables, by the form of table that the vector target in force uses (tested in tests/model).
@@ -65,17 +48,19 @@ std::array<double, 3> reference_sum(const ProfileSum& profile, const ClusterTree
                                     const glm::vec3& position) {
   std::array<double, 3> sums{};
   for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
-    const TwoPointRule rule = two_point_rule(tree.nodes[i], position);
+    const test::TwoPointRule rule = test::two_point_rule(tree.nodes[i], position);
     const double w = weight ? static_cast<double>(weight[i]) : 1.0;
     const auto at = [&](int table, double q) { return table_value(profile, table, q); };
     for (int t = 0; tree.masses == 1 && t < profile.table_count; ++t)
       sums[static_cast<std::size_t>(t)] +=
-          w * static_cast<double>(tree.mass[i]) * (at(t, rule.near) + at(t, rule.far)) / 2;
+          w * static_cast<double>(tree.mass[i]) *
+          (rule.share_of_near * at(t, rule.near) + (1 - rule.share_of_near) * at(t, rule.far));
     for (std::size_t c = 0; tree.masses == 3 && c < 3; ++c) {
       const glm::dvec3 moment(tree.first_moment[(3 * i + 0) * 3 + c], tree.first_moment[(3 * i + 1) * 3 + c],
                               tree.first_moment[(3 * i + 2) * 3 + c]);
       const double near = at(profile.table_of[c], rule.near), far = at(profile.table_of[c], rule.far);
-      sums[c] += w * (static_cast<double>(tree.mass[i * 3 + c]) * (near + far) / 2 +
+      sums[c] += w * (static_cast<double>(tree.mass[i * 3 + c]) *
+                          (rule.share_of_near * near + (1 - rule.share_of_near) * far) +
                       glm::dot(rule.d, moment) / rule.spread * (near - far));
     }
   }
@@ -223,6 +208,8 @@ ClusterTree disk(float radius) {
   ClusterTree tree;
   ClusterNode node{};
   node.covariance[0] = node.covariance[3] = radius * radius / 4;
+  node.extent.trace = radius * radius / 2;
+  node.extent.variance = node.extent.trace * node.extent.trace / 3;
   tree.nodes = {node};
   tree.mass = {1};
   return tree;

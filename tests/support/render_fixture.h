@@ -104,6 +104,7 @@ struct GatherFixture {
 
 inline GatherSettings brute_force(double cell_error = 1e-5) { return {GatherSettings::Criterion::none, cell_error, 0}; }
 inline GatherSettings by_error(double tolerance) { return {GatherSettings::Criterion::error, tolerance, 0}; }
+inline GatherSettings by_bound(double tolerance) { return {GatherSettings::Criterion::bound, tolerance, 0}; }
 inline GatherSettings by_solid_angle(double quality) { return {GatherSettings::Criterion::solid_angle, 0, quality}; }
 
 }  // namespace opaline::test

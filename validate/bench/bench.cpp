@@ -56,6 +56,7 @@ int run(int argc, char** argv) {
   const std::string title =
       fmt::format("{} of {}, {} mm high, {} x {} pixels, {} cells", choice.mesh.empty() ? "bust" : choice.mesh,
                   choice.material, choice.height, choice.film, choice.film, choice.samples);
+  if (render) print_figures("Gather: 1e5 points of a sphere, whole milk, one core", sphere_figures(choice.runs));
   if (render) print_figures("Renderer: " + title, render_figures(choice));
   if (image_space) print_image_space_figures(choice);
   if (paths) print_figures("Transport, 64 x 64 pixels, " + choice.material, path_figures(choice));

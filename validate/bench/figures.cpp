@@ -5,11 +5,9 @@
 #include "model/simd.h"
 #include "render/input_error.h"
 #include "render/stopwatch.h"
-#include "render/techniques/technique.h"
 
 #include <fmt/format.h>
 #include <sys/resource.h>
-#include <tbb/global_control.h>
 #include <time.h>
 
 #include <algorithm>
@@ -18,40 +16,6 @@
 #include <thread>
 
 namespace opaline::bench {
-namespace {
-
-double rms_error(const Frame& frame, const Frame& reference, std::size_t step) {
-  double error = 0, norm = 0;
-  for (std::size_t i = 0; i < reference.exitance.size(); ++i)
-    for (int c = 0; c < 3; ++c) {
-      const double r = static_cast<double>(reference.exitance[i][c]);
-      const double d = static_cast<double>(frame.exitance[i * step][c]) - r;
-      error += d * d;
-      norm += r * r;
-    }
-  return std::sqrt(error / norm);
-}
-
-Frame render_once(const SharedScene& shared, const std::string& name, const std::map<std::string, std::string>& given,
-                  const GBuffer& view) {
-  const Technique& technique = find_technique(name);
-  return technique.prepare(shared, Settings(technique.settings, given))->render(view);
-}
-
-/// Every `step`-th point of the view.
-GBuffer thinned(const GBuffer& view, std::size_t step) {
-  GBuffer some{view.width, view.height, {}, {}};
-  for (std::size_t i = 0; i < view.points.size(); i += step) some.points.push_back(view.points[i]);
-  return some;
-}
-
-bool same_for_one_thread(const Scene& scene, const SharedSettings& settings, const Frame& frame) {
-  const tbb::global_control one(tbb::global_control::max_allowed_parallelism, 1);
-  const SharedScene shared(scene, settings);
-  return render_once(shared, "hierarchical", {}, shared.view).exitance == frame.exitance;
-}
-
-}  // namespace
 
 void print_figures(const std::string& title, const std::vector<Figure>& figures) {
   fmt::print("\n{}\n{:<58}{:>12}  {:<10}{:<14}\n", title, "", "reached", "unit", "asked");
@@ -127,40 +91,6 @@ Scene bench_scene(const SceneChoice& choice) {
   material.eta = row->eta;
   scene.materials.push_back(material);
   return scene;
-}
-
-std::vector<Figure> render_figures(const SceneChoice& choice) {
-  const Scene scene = bench_scene(choice);
-  const SharedSettings settings{choice.samples, {}};
-  const double shared_seconds = median_seconds(choice.runs, [&] { const SharedScene shared(scene, settings); });
-  const SharedScene shared(scene, settings);
-  const double points = static_cast<double>(shared.view.points.size());
-  const std::size_t step = std::max<std::size_t>(1, shared.view.points.size() / 1000);
-  const Frame oracle = render_once(shared, "brute_force", {}, thinned(shared.view, step));
-  std::vector<Figure> figures = {{"object pixels", points, 0, true, "", ""},
-                                 {"G-buffer, surface cells and irradiance", shared_seconds, 0, true, "s", ""}};
-  Frame default_frame;
-  const auto measure = [&](const std::string& label, const std::map<std::string, std::string>& given, double asked) {
-    Frame frame;
-    const double seconds =
-        median_seconds(choice.runs, [&] { frame = render_once(shared, "hierarchical", given, shared.view); });
-    figures.push_back(
-        {"hierarchical, " + label + ": tree and picture", seconds, 0, true, "s",
-         fmt::format("{:.0f} clusters a query", static_cast<double>(frame.counters.done["clusters"]) / points)});
-    figures.push_back({"  error against brute_force (rms)", rms_error(frame, oracle, step), 0, true, "", ""});
-    if (asked > 0) {
-      figures.push_back({"  whole picture from the loaded scene", seconds + shared_seconds, asked, true, "s", ""});
-      default_frame = frame;
-    }
-  };
-  measure("tolerance 1e-3", {}, 1.0);
-  measure("tolerance 1e-2", {{"max_relative_error", "1e-2"}}, 0);
-  measure("tolerance 1e-4", {{"max_relative_error", "1e-4"}}, 0);
-  measure("solid angle 0.2, as published", {{"criterion", "solid_angle"}}, 0);
-  measure("solid angle 0.02, as published", {{"criterion", "solid_angle"}, {"quality", "0.02"}}, 0);
-  figures.push_back({"pixels that differ with one thread (0: same picture)",
-                     same_for_one_thread(scene, settings, default_frame) ? 0.0 : 1.0, 0.5, true, "", ""});
-  return figures;
 }
 
 }  // namespace opaline::bench

@@ -53,6 +53,8 @@ struct ModelChoice {
 std::vector<Figure> model_figures(const ModelChoice& choice);
 
 std::vector<Figure> render_figures(const SceneChoice& choice);
+/// The gather alone: about 1e5 points of a sphere of whole milk, one core.
+std::vector<Figure> sphere_figures(int runs);
 std::vector<Figure> fit_figures(const SceneChoice& choice);
 /// Of the same object at 64 x 64 pixels, and of a sphere as high.
 std::vector<Figure> path_figures(const SceneChoice& choice);

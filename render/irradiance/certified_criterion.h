@@ -1,0 +1,146 @@
+// The criterion of the reference: a cluster is used whole where a rigorous bound on the error of doing so is a small
+// part of what it gives, or of its share, by flux, of the whole. The shares add up to one, so the bounds of a query
+// add up to less than the tolerance. Derivation: irradiance.md.
+#pragma once
+
+#include "render/irradiance/cluster_tree.h"
+#include "render/irradiance/profile_bounds.h"
+
+#include <cmath>
+
+namespace opaline {
+
+class CertifiedCriterion {
+ public:
+  static constexpr float moments = 1;
+  using Four = ProfileBounds::Four;
+
+  /// tolerance: relative to the exitance, or to `dark` (per output) where that is larger
+  /// pessimism: how many times larger than the error the bound by expansion may be taken to be; 1: it is the bound
+  /// itself that keeps the tolerance
+  CertifiedCriterion(const ClusterTree& tree, const ProfileBounds& bounds, const ProfileSum& profile, float tolerance,
+                     const Four& dark, float pessimism)
+      : tree_(tree),
+        bounds_(bounds),
+        profile_(profile),
+        tolerance_(tolerance),
+        dark_(dark),
+        optimism_(1 / pessimism),
+        core_(std::sqrt(bounds.core_squared())) {}
+
+  void begin_group(const glm::vec3& centre, float) {
+    own_ = tolerance_ * (1 - shared_part);
+    estimate_shares(centre);
+  }
+
+  void tighten(float factor) {
+    own_ *= factor;
+    for (float& share : share_) share *= factor;
+  }
+
+  bool accept(const ClusterNode& node, float distance, float group_radius) {
+    return accept(node.extent, distance, group_radius);
+  }
+  bool accept_part(const ClusterNode& leaf, float scale, float distance, float group_radius) {
+    return accept(leaf.extent.scaled(scale), distance, group_radius);
+  }
+
+  /// May a patch of that extent be used whole by every query within group_radius of a point at `distance`?
+  bool accept(const ClusterExtent& e, float distance, float group_radius) {
+    const float nearest = std::max(distance - group_radius, 0.0f), farthest = distance + group_radius;
+    const float gap = std::max(nearest - e.radius, 0.0f), reach = farthest + e.radius;
+    const ProfileBounds::Row& row = bounds_.from(gap * gap);
+    const Four& low = bounds_.up_to(reach * reach).low;
+    noise_ = &row.noise;
+    // The terms below fall with the distance from here on; before, the numerator is taken at its largest.
+    const float d = nearest >= e.radius + core_ ? nearest : farthest;
+    const float per_x = 1 / (gap * gap + bounds_.core_squared());
+    const float y = (2 * d * e.fourth + e.bulge) * per_x, y4 = y * y * y * y;
+    const float off = std::max(e.radius * e.radius - e.trace, e.trace);
+    const float third = 12 * d * d * e.mixed + e.variance * (6 * d * e.radius + off);
+    const float z = third * per_x * per_x * per_x;
+    const float deviation = std::sqrt(e.variance);
+    // Below the axis there is no profile: the nearer point is moved to it.
+    float first = gap > 0 ? 0 : 0.5f * std::max(deviation - e.trace, 0.0f), second = 0;
+    if (e.unlike > 0) {
+      const float sigma = 2 * d * std::sqrt(e.stretch) + deviation;
+      first += e.unlike * deviation;
+      second = 1.1f * e.unlike * sigma * sigma * per_x * per_x;
+    }
+    first *= per_x;
+    // The expansion is worth nothing as an estimate where the patch looks large.
+    const bool small = e.radius * e.radius <= max_opening * (nearest * nearest + bounds_.core_squared());
+    const float optimism = small ? optimism_ : 1;
+    int rejected = 0;  // plain loops over four floats: compilers make vectors of them
+    for (std::size_t o = 0; o < 4; ++o) {
+      const float expansion =
+          rounding * (row.fourth[o] * y4 + row.third[o] * z + row.second[o] * second + row.first[o] * first);
+      const float range = row.high[o] - low[o];
+      error_[o] = expansion < range ? expansion : range;
+      const float likely = optimism * expansion < range ? optimism * expansion : range;
+      rejected += likely > share_[o] + own_ * low[o];
+    }
+    return rejected == 0;
+  }
+
+  void use(const float* mass, float fraction) {
+    const int step = tree_.masses == 1 ? 0 : 1;
+    for (int o = 0; o < bounds_.outputs(); ++o) {
+      const auto i = static_cast<std::size_t>(o);
+      kept_[i] += fraction * mass[o * step] * (error_[i] + (*noise_)[i]);
+    }
+  }
+
+  std::array<float, 3> take_bound() {
+    const std::array<float, 3> bound{kept_[0], kept_[1], kept_[2]};
+    kept_ = {};
+    return bound;
+  }
+
+ private:
+  /// Of the tolerance, what is shared out by flux; the rest is in proportion to what a cluster gives.
+  static constexpr float shared_part = 0.5f;
+
+  static constexpr float max_opening = 0.8f;  ///< (radius / distance)^2
+  static constexpr float rounding = 1.001f;
+
+  /// The tolerated error of each output per unit of flux, from a coarse look at the whole surface: clusters as points,
+  /// opened while they look large.
+  void estimate_shares(const glm::vec3& p) {
+    Four sum{};
+    for (std::size_t i = 0; i < tree_.nodes.size();) {
+      const ClusterNode& node = tree_.nodes[i];
+      const glm::vec3 d = node.centroid - p;
+      const float r2 = glm::dot(d, d) + node.extent.trace;
+      const bool use = node.leaf() || 2 * node.extent.radius * node.extent.radius < r2;
+      if (use) add_point(&tree_.mass[i * static_cast<std::size_t>(tree_.masses)], r2, sum);
+      i = use ? node.skip : i + 1;
+    }
+    for (std::size_t o = 0; o < 4; ++o) {
+      const double flux = o < 3 ? tree_.total_mass[tree_.masses == 1 ? 0 : o] : 0;
+      const float exitance = std::max(dark_[o], cautious * sum[o]);
+      share_[o] = flux > 0 ? tolerance_ * shared_part * exitance / static_cast<float>(flux) : 1e30f;
+    }
+  }
+  /// The estimate is at a group's centre, and of clusters as points.
+  static constexpr float cautious = 0.7f;
+
+  void add_point(const float* mass, float r2, Four& sum) const {
+    for (int o = 0; o < bounds_.outputs(); ++o) {
+      const int table = tree_.masses == 1 ? o : profile_.table_of[o];
+      sum[static_cast<std::size_t>(o)] += mass[tree_.masses == 1 ? 0 : o] * (*profile_.tables[table])(r2);
+    }
+  }
+
+  const ClusterTree& tree_;
+  const ProfileBounds& bounds_;
+  const ProfileSum& profile_;
+  float tolerance_;
+  Four dark_;
+  float optimism_;
+  float core_, own_ = 0;
+  Four share_{}, error_{}, kept_{};
+  const Four* noise_ = nullptr;
+};
+
+}  // namespace opaline
