@@ -15,7 +15,7 @@ struct Range {
   double bits_per_texel;
 };
 
-float core_squared(const ChannelProfiles& profiles) {
+float narrowest_squared(const ChannelProfiles& profiles) {
   double core = profiles.profile(0).core_radius();
   for (int c = 1; c < 3; ++c) core = std::min(core, profiles.profile(c).core_radius());
   return static_cast<float>(core * core);
@@ -39,7 +39,7 @@ double inverse_scale(const ChannelProfiles& profiles, double r) {
 }
 
 Range range_of(const ChannelProfiles& profiles, double r_max) {
-  const float offset = core_squared(profiles) / 4;
+  const float offset = narrowest_squared(profiles) / 4;
   const std::int32_t first = std::bit_cast<std::int32_t>(offset),
                      last = std::bit_cast<std::int32_t>(static_cast<float>(r_max * r_max) + offset);
   return {offset, first, static_cast<double>(last - first) / (texels - 1)};
@@ -68,7 +68,7 @@ ProfileTexture::ProfileTexture(const Context& context, const ChannelProfiles& pr
   // The first and the last value stand in the middle of their texels.
   map_ = {range.offset, 1 / (range.bits_per_texel * texels)};
   first_ = range.first;
-  core_squared_ = core_squared(profiles);
+  core_squared_ = narrowest_squared(profiles);
 }
 
 void ProfileTexture::bind(const Program& program, int unit) const {
