@@ -140,7 +140,7 @@ Figure brute_force_figure(const std::string& target) {
   for (int run = 0; run < 3; ++run) {
     const double start = thread_seconds();
     const Frame frame = prepared->render(shared.view);
-    const auto whole = static_cast<double>(frame.counters.done.at("clusters"));
+    const auto whole = static_cast<double>(frame.counters.done.at("cells"));
     parts = static_cast<double>(frame.counters.done.at("cell_parts"));
     rate = std::max(rate, (whole + parts) / (thread_seconds() - start));
   }
