@@ -7,8 +7,8 @@
 // Beyond that every value must be finite, and non-negative and monotone where the function is.
 //
 // To add a function: one row in fresnel_functions.cpp, profile_functions.cpp, sampling_functions.cpp or, for a path in
-// floats, whose errors count in units of a float's last place, float_functions.cpp. A profile of the registry gets a row
-// of validity checks by itself.
+// floats, whose errors count in units of a float's last place, float_functions.cpp. A profile of the registry gets a
+// row of validity checks by itself.
 #pragma once
 
 #include <cstdint>

@@ -103,8 +103,8 @@ void add_sampling(std::vector<Figure>& figures, std::uint64_t samples) {
                      fmt::format("{} random inputs and the corners", samples)});
   for (const std::string& name : medium_profile_names()) {
     const auto profile = find_profile(name)->make({0.05, 1, 1.3});
-    figures.push_back({"chi-squared of " + name + "'s sampler: |z|", std::abs(chi_squared_z(*profile, samples)), 4, true,
-                       "sd", fmt::format("{} samples, 257 bins", samples)});
+    figures.push_back({"chi-squared of " + name + "'s sampler: |z|", std::abs(chi_squared_z(*profile, samples)), 4,
+                       true, "sd", fmt::format("{} samples, 257 bins", samples)});
   }
 }
 
