@@ -21,11 +21,18 @@ struct FitJob {
   SolveSettings solve;
 };
 
+/// How far an operator's picture is from the sum over the very cells it was made of, relative to the picture's RMS.
+struct OperatorError {
+  double rms = 0;  ///< against a fresh gather
+  double at_most =
+      0;  ///< rigorous where the gather's bound is: each pixel's difference, and what the gather may be off
+};
+
 /// One target after the fit.
 struct FittedTarget {
   std::string scene, target;
   Image picture, refit, difference;  ///< RGBA; difference = refit - picture, alpha 1 where fitted
-  double operator_error = 0;         ///< RMS of the operator's picture against a fresh gather / RMS of the picture
+  OperatorError operator_error;      ///< of the refit
   Counters counters;
 };
 
@@ -44,10 +51,10 @@ struct FitReport {
 FitReport run_fit(const FitJob& job, const ShapeLibrary& shapes,
                   const std::function<void(const std::string& stage)>& progress = {});
 
-/// RMS error, relative to the picture's RMS, of the operator's picture of `material` against the
-/// hierarchical gather (tolerance 1e-4) on at most `pixels` of its rows, both with the same cells.
-double operator_error(const Scene& scene, const TransportOperator& op, const OperatorSettings& settings,
-                      const ProfileInfo& profile, const Material& material, int material_index,
-                      std::size_t pixels = 512);
+/// Of the operator's picture of `material`, on at most `pixels` of its rows, against the hierarchical gather with
+/// rigorous bounds of 1e-4 (render/irradiance/irradiance.md), both with the same cells.
+OperatorError operator_error(const Scene& scene, const TransportOperator& op, const OperatorSettings& settings,
+                             const ProfileInfo& profile, const Material& material, int material_index,
+                             std::size_t pixels = 256);
 
 }  // namespace opaline

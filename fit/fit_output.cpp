@@ -91,7 +91,8 @@ json targets_json(const FitReport& report) {
     const FittedTarget& t = report.targets[i];
     targets.push_back({{"scene", t.scene},
                        {"target", t.target},
-                       {"operator_relative_error", number(t.operator_error)},
+                       {"operator_relative_error", number(t.operator_error.rms)},
+                       {"operator_relative_error_at_most", number(t.operator_error.at_most)},
                        {"noise_sd", report.solution.noise_sd[i]},
                        {"counters", {{"done", t.counters.done}, {"skipped", t.counters.skipped}}}});
   }

@@ -19,26 +19,32 @@ GBuffer some_points(const GBuffer& view, const TransportOperator& op, std::size_
 
 }  // namespace
 
-double operator_error(const Scene& scene, const TransportOperator& op, const OperatorSettings& settings,
-                      const ProfileInfo& profile, const Material& material, int material_index, std::size_t pixels) {
+OperatorError operator_error(const Scene& scene, const TransportOperator& op, const OperatorSettings& settings,
+                             const ProfileInfo& profile, const Material& material, int material_index,
+                             std::size_t pixels) {
   Scene with = scene;
   with.materials[static_cast<std::size_t>(material_index)] = material;
   SharedScene shared(with, {settings.samples, settings.irradiance});
   shared.view = some_points(shared.view, op, pixels);
   const Technique& reference = find_technique("hierarchical");
-  const Settings tight(reference.settings, {{"max_relative_error", "1e-4"}, {"profile", profile.name}});
+  const Settings tight(
+      reference.settings,
+      {{"max_relative_error", "1e-4"}, {"criterion", "bound"}, {"discretisation", "fixed"}, {"profile", profile.name}});
   const Frame frame = reference.prepare(shared, tight)->render(shared.view);
-  const Image gathered = shade(with, shared.view, frame.exitance, op.lobe),
-              expanded = operator_image(op, profile, material);
-  double error = 0, norm = 0;
+  const Image gathered = shade(with, shared.view, frame, op.lobe), expanded = operator_image(op, profile, material);
+  const Image bound = shade_layers(with, shared.view, frame, op.lobe).at("bound");
+  double error = 0, at_most = 0, norm = 0;
   for (const VisiblePoint& p : shared.view.points)
     for (std::size_t c = 0; c < 3; ++c) {
       const double a = static_cast<double>(gathered.data[p.pixel * 4u + c]),
-                   b = static_cast<double>(expanded.data[p.pixel * 4u + c]);
+                   b = static_cast<double>(expanded.data[p.pixel * 4u + c]),
+                   known = static_cast<double>(bound.data[p.pixel * bound.channels.size() + c]);
       error += (a - b) * (a - b);
+      at_most += (std::abs(a - b) + known) * (std::abs(a - b) + known);
       norm += a * a;
     }
-  return norm > 0 ? std::sqrt(error / norm) : 0;
+  if (norm <= 0) return {};
+  return {std::sqrt(error / norm), std::sqrt(at_most / norm)};
 }
 
 }  // namespace opaline

@@ -76,6 +76,7 @@ RenderResult render_scene(const Scene& scene, const RenderOptions& options, cons
   result.image = shade(scene, shared.view, frame, options.exit_lobe);
   result.layers = shade_layers(scene, shared.view, frame, options.exit_lobe);
   result.seconds.render = watch.lap();
+  result.estimates = frame.estimates;
   result.counters = shared.counters;
   result.counters += frame.counters;
   result.counters.skipped["zero_area_triangles"] += scene.dropped_triangles;

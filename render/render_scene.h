@@ -30,6 +30,7 @@ struct RenderResult {
   std::string backend;                  ///< the one used
   std::string device;                   ///< of the gpu backend: its renderer; empty for the processor
   std::map<std::string, std::string> settings;
+  std::map<std::string, double> estimates;  ///< of the whole picture (technique.h)
   Counters counters;
   RenderSeconds seconds;
 };

@@ -65,7 +65,7 @@ std::string fit_table(const FitReport& report, const std::optional<ParameterVect
   text += alpha_rows(report, truth);
   const Solution& s = report.solution;
   double worst_operator = 0;
-  for (const FittedTarget& t : report.targets) worst_operator = std::max(worst_operator, t.operator_error);
+  for (const FittedTarget& t : report.targets) worst_operator = std::max(worst_operator, t.operator_error.rms);
   text +=
       fmt::format("residual {:.3g} of the picture (rms); operator's own error {:.1g}; {} starts, {} iterations{}\n",
                   s.relative_rmse, worst_operator, s.starts.size(), s.iterations, s.converged ? "" : "; NOT CONVERGED");

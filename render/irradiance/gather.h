@@ -1,6 +1,6 @@
 // The hierarchical gather: for every query, lists of patches that stand for the whole surface.
 //
-// Queries are sorted along a Morton curve and walk the tree in groups of at most 64, 8 and 1 neighbours: what may be
+// Queries are sorted along a Morton curve and walk the tree in groups of at most 64, 16, 4 and 1 neighbours: what may be
 // used whole by all queries of a group goes on the group's list; the rest is opened, cells into quarters until they are
 // small enough, so that the near field is integrated, not sampled. What is small against the group and would do for its
 // middle is left to the group's parts.
@@ -62,7 +62,7 @@ class GroupGather {
   GroupGather(const ClusterTree& tree, const SurfaceCells& cells, Criterion criterion, Sink sink,
               std::size_t group_size)
       : tree_(tree), cells_(cells), criterion_(std::move(criterion)), sink_(std::move(sink)) {
-    for (std::size_t size = group_size;; size = std::max<std::size_t>(1, size / 8)) {
+    for (std::size_t size = group_size;; size = std::max<std::size_t>(1, size / 4)) {
       levels_.push_back({size, PatchList(tree.masses), {}, {}, {}});
       if (size == 1) break;
     }

@@ -119,40 +119,85 @@ std::vector<SurfaceCells> refine_at_light_edges(const Scene& scene, const RaySce
   return cells;
 }
 
-std::vector<IrradianceField> compute_irradiance(const Scene& scene, const RayScene& rays,
-                                                const std::vector<SurfaceCells>& cells,
-                                                const std::vector<std::vector<double>>& eta_nodes,
-                                                const IrradianceSettings& settings, Counters& counters) {
-  const LightSampler lights(scene, (settings.area_samples + 3) / 4);
-  Rgb colour(1);
-  const int channels = lights.single_colour(colour) ? 1 : 3;
-  std::vector<IrradianceField> fields(cells.size());
+namespace {
+
+/// What the fields of all objects have in common.
+struct FieldMaker {
+  const Scene& scene;
+  const RayScene& rays;
+  const IrradianceSettings& settings;
+  LightSampler lights;
+  Rgb colour{1};
+  int channels;
   std::atomic<std::uint64_t> done = 0, skipped = 0;
-  for (std::size_t object = 0; object < cells.size(); ++object) {
-    IrradianceField& field = fields[object];
-    field = {static_cast<int>(eta_nodes[object].size()), channels, channels == 1 ? colour : Rgb(1), {}};
+
+  FieldMaker(const Scene& s, const RayScene& r, const IrradianceSettings& i)
+      : scene(s),
+        rays(r),
+        settings(i),
+        lights(scene, (settings.area_samples + 3) / 4),
+        channels(lights.single_colour(colour) ? 1 : 3) {}
+
+  IrradianceField make(std::size_t object, const SurfaceCells& cells, std::size_t first_number,
+                       const std::vector<double>& etas, bool keep_quarters) {
+    IrradianceField field{static_cast<int>(etas.size()), channels, channels == 1 ? colour : Rgb(1), {}, {}};
     const auto width = static_cast<std::size_t>(field.width());
-    field.values.resize(cells[object].size() * width);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells[object].size(), 256), [&](const auto& range) {
-      EnteringLight light{rays, lights, eta_nodes[object], channels};
-      std::vector<double> sum(width);
+    field.values.resize(cells.size() * width);
+    if (keep_quarters) field.quarters.resize(4 * cells.size() * width);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, cells.size(), 256), [&](const auto& range) {
+      EnteringLight light{rays, lights, etas, channels};
+      std::vector<double> sum(width), of_quarter(width);
       for (std::size_t i = range.begin(); i != range.end(); ++i) {
         std::fill(sum.begin(), sum.end(), 0.0);
         SurfaceCell quarters[4];
-        split_in_four(cells[object][i], quarters);
-        const std::uint64_t seed = cell_seed(settings, object, i);
-        for (std::uint32_t q = 0; q < 4; ++q)
-          light.add(surface_point_at(scene.objects[object].mesh, cells[object][i].triangle, cell_centroid(quarters[q])),
-                    seed, q, 0.25, sum.data());
+        split_in_four(cells[i], quarters);
+        const std::uint64_t seed = cell_seed(settings, object, first_number + i);
+        for (std::uint32_t q = 0; q < 4; ++q) {
+          std::fill(of_quarter.begin(), of_quarter.end(), 0.0);
+          light.add(surface_point_at(scene.objects[object].mesh, cells[i].triangle, cell_centroid(quarters[q])), seed,
+                    q, 1, of_quarter.data());
+          for (std::size_t k = 0; k < width; ++k) sum[k] += 0.25 * of_quarter[k];
+          if (!keep_quarters) continue;
+          for (std::size_t k = 0; k < width; ++k)
+            field.quarters[(4 * i + q) * width + k] = static_cast<float>(of_quarter[k]);
+        }
         for (std::size_t k = 0; k < width; ++k) field.values[i * width + k] = static_cast<float>(sum[k]);
       }
       done += light.done;
       skipped += light.skipped;
     });
+    return field;
   }
-  counters.done["shadow_rays"] += done;
-  counters.skipped["shadow_rays_facing_away"] += skipped;
+
+  void count(Counters& counters) const {
+    counters.done["shadow_rays"] += done;
+    counters.skipped["shadow_rays_facing_away"] += skipped;
+  }
+};
+
+}  // namespace
+
+std::vector<IrradianceField> compute_irradiance(const Scene& scene, const RayScene& rays,
+                                                const std::vector<SurfaceCells>& cells,
+                                                const std::vector<std::vector<double>>& eta_nodes,
+                                                const IrradianceSettings& settings, Counters& counters,
+                                                bool keep_quarters) {
+  FieldMaker maker(scene, rays, settings);
+  std::vector<IrradianceField> fields;
+  for (std::size_t object = 0; object < cells.size(); ++object)
+    fields.push_back(maker.make(object, cells[object], 0, eta_nodes[object], keep_quarters));
+  maker.count(counters);
   return fields;
+}
+
+IrradianceField object_irradiance(const Scene& scene, const RayScene& rays, std::size_t object,
+                                  const SurfaceCells& cells, std::size_t first_number,
+                                  const IrradianceSettings& settings, Counters& counters) {
+  FieldMaker maker(scene, rays, settings);
+  const double eta = scene.materials[static_cast<std::size_t>(scene.objects[object].material)].eta;
+  IrradianceField field = maker.make(object, cells, first_number, {eta}, true);
+  maker.count(counters);
+  return field;
 }
 
 }  // namespace opaline

@@ -30,6 +30,8 @@ struct IrradianceField {
   int etas = 1, channels = 1;
   Rgb colour{1};
   std::vector<float> values;
+  /// Of every cell's four quarters (split_in_four), if asked for: quarters[(cell * 4 + quarter) * width() + k].
+  std::vector<float> quarters{};
   int width() const { return etas * channels; }
 };
 
@@ -38,6 +40,13 @@ struct IrradianceField {
 std::vector<IrradianceField> compute_irradiance(const Scene& scene, const RayScene& rays,
                                                 const std::vector<SurfaceCells>& cells,
                                                 const std::vector<std::vector<double>>& eta_nodes,
-                                                const IrradianceSettings& settings, Counters& counters);
+                                                const IrradianceSettings& settings, Counters& counters,
+                                                bool keep_quarters = false);
+
+/// The same for some cells of one object, for its material's eta, with quarters. first_number: cells numbered below
+/// it have had their light already (the directions towards an extended light depend on the number).
+IrradianceField object_irradiance(const Scene& scene, const RayScene& rays, std::size_t object,
+                                  const SurfaceCells& cells, std::size_t first_number,
+                                  const IrradianceSettings& settings, Counters& counters);
 
 }  // namespace opaline

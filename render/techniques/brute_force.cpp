@@ -4,20 +4,17 @@
 namespace opaline {
 namespace {
 
-GatherSettings gather_settings(const Settings& settings) {
-  GatherSettings gather;
-  gather.criterion = GatherSettings::Criterion::none;
-  gather.max_relative_error = settings.number("cell_error");
-  return gather;
+GatherChoice gather_choice(const Settings& settings) {
+  return {settings.word("profile"), {GatherSettings::Criterion::none, settings.number("cell_error"), 0}};
 }
 
 std::unique_ptr<PreparedTechnique> prepare(const SharedScene& shared, const Settings& settings) {
-  return prepare_gather(shared, settings.word("profile"), gather_settings(settings));
+  return prepare_gather(shared, gather_choice(settings));
 }
 
 std::unique_ptr<PreparedTechnique> prepare_gpu(const SharedScene& shared, const Settings& settings,
                                                const gl::Context& context) {
-  return prepare_gather_gl(shared, settings.word("profile"), gather_settings(settings), context);
+  return prepare_gather_gl(shared, gather_choice(settings), context);
 }
 
 }  // namespace

@@ -1,18 +1,34 @@
 // Shared by the techniques that gather exact cell sums: trees and tables per object.
 #pragma once
 
-#include "render/irradiance/profile_gather.h"
+#include "render/irradiance/discretisation.h"
 #include "render/techniques/technique.h"
 
 namespace opaline {
 
-/// Trees, tables and profile of every object; `settings` decides which clusters are used.
-std::unique_ptr<PreparedTechnique> prepare_gather(const SharedScene& shared, const std::string& profile,
-                                                  const GatherSettings& settings);
+/// How the integral over the surface becomes a sum.
+struct GatherChoice {
+  std::string profile;
+  GatherSettings clusters;
+  /// 0: the cells of the shared scene as they are; else finer ones where they aren't good enough (discretisation.h).
+  double discretisation_error = 0;
+};
+
+/// One object's cells and tree.
+struct GatherSurface {
+  Discretisation own;         ///< its tree is the one used; its cells are empty where the shared ones do
+  const SurfaceCells* cells;  ///< those of the tree
+};
+std::unique_ptr<GatherSurface> gather_surface(const SharedScene& shared, std::size_t object,
+                                              const ChannelProfiles& profiles, const GatherChoice& choice,
+                                              Counters& counters);
+
+/// Trees, tables and profile of every object. The frame's estimate "discretisation_error" is that of the worst object.
+std::unique_ptr<PreparedTechnique> prepare_gather(const SharedScene& shared, const GatherChoice& choice);
 
 /// The same on the GPU. The tree and the tables are made on the processor.
-std::unique_ptr<PreparedTechnique> prepare_gather_gl(const SharedScene& shared, const std::string& profile,
-                                                     const GatherSettings& settings, const gl::Context& context);
+std::unique_ptr<PreparedTechnique> prepare_gather_gl(const SharedScene& shared, const GatherChoice& choice,
+                                                     const gl::Context& context);
 
 /// The setting `profile`: any registered one.
 SettingSpec profile_setting();

@@ -39,38 +39,42 @@ std::vector<glm::vec4> gl_cells(const SurfaceCells& cells) {
 }
 
 struct GlObject {
-  ClusterTree tree;
   ChannelProfiles profiles;
   gl::ProfileTexture texture;
+  std::unique_ptr<GatherSurface> surface;
+  const ClusterTree& tree;
   Buffer nodes, mass, first_moment, cells;
 
-  GlObject(const gl::Context& context, ClusterTree t, ChannelProfiles p, const SurfaceCells& surface, double r_max)
-      : tree(std::move(t)),
-        profiles(std::move(p)),
+  GlObject(const gl::Context& context, std::unique_ptr<GatherSurface> s, ChannelProfiles p, double r_max)
+      : profiles(std::move(p)),
         texture(context, profiles, r_max),
+        surface(std::move(s)),
+        tree(surface->own.tree),
         nodes(context, gl_nodes(tree)),
         mass(context, tree.mass),
         first_moment(context, tree.first_moment),
-        cells(context, gl_cells(surface)) {}
+        cells(context, gl_cells(*surface->cells)) {}
 };
 
 class GlGather : public PreparedTechnique {
  public:
-  GlGather(const SharedScene& shared, const ProfileInfo& profile, const GatherSettings& settings,
+  GlGather(const SharedScene& shared, const ProfileInfo& profile, const GatherChoice& choice,
            const gl::Context& context)
-      : shared_(shared), settings_(settings), context_(context) {
+      : shared_(shared), settings_(choice.clusters), context_(context) {
     for (std::size_t i = 0; i < shared.scene.objects.size(); ++i) {
       const Object& object = shared.scene.objects[i];
       const double r_max = 1.01 * diameter(object.mesh);
-      objects_.push_back(std::make_unique<GlObject>(
-          context, build_cluster_tree(shared.cells[i], shared.irradiance[i]),
-          ChannelProfiles(profile, shared.scene.materials[static_cast<std::size_t>(object.material)], r_max),
-          shared.cells[i], r_max));
+      ChannelProfiles profiles(profile, shared.scene.materials[static_cast<std::size_t>(object.material)], r_max);
+      auto surface = gather_surface(shared, i, profiles, choice, counters_);
+      if (choice.discretisation_error > 0) error_ = std::max(error_, surface->own.error);
+      objects_.push_back(std::make_unique<GlObject>(context, std::move(surface), std::move(profiles), r_max));
     }
   }
 
   Frame render(const GBuffer& view) const override {
     Frame frame;
+    frame.counters = counters_;
+    if (error_ >= 0) frame.estimates["discretisation_error"] = error_;
     frame.exitance.assign(view.points.size(), glm::vec3(0));
     for (std::size_t i = 0; i < objects_.size(); ++i) {
       const ObjectPoints points = points_of_object(view, static_cast<int>(i));
@@ -155,17 +159,19 @@ class GlGather : public PreparedTechnique {
   const SharedScene& shared_;
   GatherSettings settings_;
   const gl::Context& context_;
+  Counters counters_;  ///< of the preparation
+  double error_ = -1;  ///< estimated, of the discretisation; below 0: it wasn't looked at
   mutable std::unique_ptr<gl::Program> programs_[2];  ///< for one mass and for three
   std::vector<std::unique_ptr<GlObject>> objects_;
 };
 
 }  // namespace
 
-std::unique_ptr<PreparedTechnique> prepare_gather_gl(const SharedScene& shared, const std::string& profile,
-                                                     const GatherSettings& settings, const gl::Context& context) {
-  const ProfileInfo* info = find_profile(profile);
+std::unique_ptr<PreparedTechnique> prepare_gather_gl(const SharedScene& shared, const GatherChoice& choice,
+                                                     const gl::Context& context) {
+  const ProfileInfo* info = find_profile(choice.profile);
   OPALINE_CHECK(info);
-  return std::make_unique<GlGather>(shared, *info, settings, context);
+  return std::make_unique<GlGather>(shared, *info, choice, context);
 }
 
 }  // namespace opaline

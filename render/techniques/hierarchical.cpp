@@ -6,7 +6,7 @@
 namespace opaline {
 namespace {
 
-GatherSettings gather_settings(const Settings& settings) {
+GatherChoice gather_choice(const Settings& settings) {
   GatherSettings gather;
   const std::string& criterion = settings.word("criterion");
   gather.criterion = criterion == "solid_angle" ? GatherSettings::Criterion::solid_angle
@@ -14,11 +14,13 @@ GatherSettings gather_settings(const Settings& settings) {
                                                 : GatherSettings::Criterion::error;
   gather.max_relative_error = settings.number("max_relative_error");
   gather.quality = settings.number("quality");
-  return gather;
+  // As published, the cells are those given.
+  const bool controlled = settings.word("discretisation") == "controlled" && criterion != "solid_angle";
+  return {settings.word("profile"), gather, controlled ? gather.max_relative_error : 0};
 }
 
 std::unique_ptr<PreparedTechnique> prepare(const SharedScene& shared, const Settings& settings) {
-  return prepare_gather(shared, settings.word("profile"), gather_settings(settings));
+  return prepare_gather(shared, gather_choice(settings));
 }
 
 std::unique_ptr<PreparedTechnique> prepare_gpu(const SharedScene& shared, const Settings& settings,
@@ -26,7 +28,7 @@ std::unique_ptr<PreparedTechnique> prepare_gpu(const SharedScene& shared, const 
   if (settings.word("criterion") == "bound")
     throw InputError("--set", "criterion=bound",
                      "bounds are made on the processor alone: take --backend cpu, or one of error, solid_angle");
-  return prepare_gather_gl(shared, settings.word("profile"), gather_settings(settings), context);
+  return prepare_gather_gl(shared, gather_choice(settings), context);
 }
 
 }  // namespace
@@ -48,10 +50,16 @@ Technique hierarchical_technique() {
                 {"error", "bound", "solid_angle"}},
                {"max_relative_error",
                 "1e-3",
-                "criterion=error, bound: tolerance relative to each pixel's exitance",
+                "criterion=error, bound: tolerance relative to each pixel's exitance; discretisation=controlled: "
+                "relative to the exitance of each object as a whole",
                 {},
                 1e-7,
                 1},
+               {"discretisation",
+                "controlled",
+                "cells: finer where those given (--samples) are not good enough, or as they are (always so with "
+                "criterion=solid_angle)",
+                {"controlled", "fixed"}},
                {"quality", "0.2", "criterion=solid_angle: largest area / distance^2", {}, 1e-6, 100}},
           .invalidated_by = {.camera = false, .light = true, .material = true, .geometry = true},
           .not_applicable = gather_not_applicable,

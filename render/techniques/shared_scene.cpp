@@ -26,7 +26,7 @@ SharedScene::SharedScene(const Scene& s, const SharedSettings& shared, bool with
   }
   cells =
       refine_at_light_edges(scene, rays, make_surface_cells(scene, settings.samples), settings.irradiance, counters);
-  irradiance = compute_irradiance(scene, rays, cells, material_etas(scene), settings.irradiance, counters);
+  irradiance = compute_irradiance(scene, rays, cells, material_etas(scene), settings.irradiance, counters, true);
   seconds.irradiance = watch.lap();
   for (const SurfaceCells& c : cells) counters.done["surface_cells"] += c.size();
 }

@@ -39,6 +39,9 @@ struct Frame {
   ///   variance  beside radiance: squared standard error of each value [radiance^2]
   ///   bound     no value is further than this from what the technique approximates
   std::map<std::string, std::vector<glm::vec3>> images;
+  /// What it knows of the whole result, by name. In use:
+  ///   discretisation_error  of a surface cut into cells, relative RMS of the exitance
+  std::map<std::string, double> estimates{};
 };
 
 class PreparedTechnique {

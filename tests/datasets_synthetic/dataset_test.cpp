@@ -32,6 +32,7 @@ Recipe small_recipe(const std::string& library = "skin1") {
   recipe.noise_relative = 0.05;
   recipe.samples = 2000;
   recipe.technique = "hierarchical";
+  recipe.settings = {{"discretisation", "fixed"}};
   return recipe;
 }
 

@@ -39,6 +39,7 @@ class FitCommand : public ::testing::Test {
     recipe.name = "small", recipe.summary = "a small sphere", recipe.path = folder_.file("recipe.json");
     recipe.scene = scene, recipe.material = "m1";
     recipe.noise_relative = 0.01, recipe.samples = 600, recipe.technique = "hierarchical";
+    recipe.settings = {{"discretisation", "fixed"}};  // the cells of the fit
     make_dataset(recipe, folder_.file("data"), synthetic_shapes());
   }
 

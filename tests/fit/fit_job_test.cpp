@@ -36,8 +36,10 @@ TEST_F(FitJobTest, RecoversTheMaterialAndReportsIt) {
   EXPECT_LT(report.solution.relative_rmse, 1.05 * 0.01);
   ASSERT_EQ(report.targets.size(), 1u);
   const FittedTarget& t = report.targets[0];
-  EXPECT_LT(t.operator_error, 2e-3);
-  EXPECT_GT(t.operator_error, 0);
+  EXPECT_LT(t.operator_error.rms, 2e-3);
+  EXPECT_GT(t.operator_error.rms, 0);
+  EXPECT_GT(t.operator_error.at_most, t.operator_error.rms);
+  EXPECT_LT(t.operator_error.at_most, t.operator_error.rms + 2e-4);
   EXPECT_GT(t.counters.done.at("rows"), 50u);
   std::size_t fitted = 0;
   for (std::size_t p = 0; p < t.picture.pixel_count(); ++p) {

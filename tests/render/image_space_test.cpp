@@ -281,21 +281,21 @@ std::ostream& operator<<(std::ostream& out, const Estimate& e) { return out << e
 class OnAFlatSlab : public testing::TestWithParam<Estimate> {};
 
 Scene waves_on_a_slab(bool oblique) {
-  Scene scene = projected_slab(waves(), 110);
+  Scene scene = projected_slab(waves(), 220);
   if (oblique) scene.camera = {Camera::Type::perspective, {0, -60, 60}, {0, 0, 0}, {0, 1, 0}, 25, 0};
   return scene;
 }
 
 // The estimator's assumption holds there: all lit surface is seen. What is left beside the noise, 5e-4, is the width
-// of a pixel of the irradiance image and of a cell of the reference.
+// of a pixel of the irradiance image (2e-3 where it is dim with pixels twice as wide, against a finer reference).
 TEST_P(OnAFlatSlab, TheMeanOverSeedsIsTheReference) {
   const bool oblique = GetParam().oblique;
   const Scene scene = waves_on_a_slab(oblique);
-  static const Frame references[2] = {reference(waves_on_a_slab(false), 30000, 1e-4),
-                                      reference(waves_on_a_slab(true), 30000, 1e-4)};
+  static const Frame references[2] = {reference(waves_on_a_slab(false), 30000, 2e-4),
+                                      reference(waves_on_a_slab(true), 30000, 2e-4)};
   const Frame& exact = references[oblique];
   std::vector<Frame> frames;
-  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     const SharedScene shared(scene, {1, {.seed = seed}}, false);
     Given given = GetParam().given;
     given["samples_per_pixel"] = "128", given["pattern"] = "16";

@@ -24,7 +24,7 @@ void run_kernels() {
 int run(int argc, char** argv) {
   SceneChoice choice;
   ModelChoice model_choice;
-  bool kernels = true, model = true, render = true, paths = true, fit = true, image_space = true;
+  bool kernels = true, model = true, gather = true, render = true, paths = true, fit = true, image_space = true;
   CLI::App app("Opaline's benchmark: figures reached beside figures asked", "opaline_bench");
   app.add_option("--mesh", choice.mesh, "Mesh file instead of the synthetic bust");
   app.add_option("--height", choice.height, "Of the object [mm]")->check(CLI::PositiveNumber)->capture_default_str();
@@ -42,6 +42,7 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(std::uint64_t{10000}, std::uint64_t{100000000000}))
       ->capture_default_str();
   app.add_flag("!--no-model", model, "Leave out sampling and Monte-Carlo");
+  app.add_flag("!--no-gather", gather, "Leave out the gather on a sphere");
   app.add_flag("!--no-render", render, "Leave out the renderer");
   app.add_flag("!--no-paths", paths, "Leave out the path tracer");
   app.add_flag("!--no-fit", fit, "Leave out the fit");
@@ -56,7 +57,7 @@ int run(int argc, char** argv) {
   const std::string title =
       fmt::format("{} of {}, {} mm high, {} x {} pixels, {} cells", choice.mesh.empty() ? "bust" : choice.mesh,
                   choice.material, choice.height, choice.film, choice.film, choice.samples);
-  if (render) print_figures("Gather: 1e5 points of a sphere, whole milk, one core", sphere_figures(choice.runs));
+  if (gather) print_figures("Gather: 1e5 points of a sphere, whole milk, one core", sphere_figures(choice.runs));
   if (render) print_figures("Renderer: " + title, render_figures(choice));
   if (image_space) print_image_space_figures(choice);
   if (paths) print_figures("Transport, 64 x 64 pixels, " + choice.material, path_figures(choice));

@@ -1,0 +1,253 @@
+#include "render/irradiance/discretisation.h"
+
+#include "model/check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace opaline {
+namespace {
+
+/// How much the irradiance of a cell's quarters differs from the cell's, in the channel where it differs most.
+float spread(const IrradianceField& field, std::size_t cell) {
+  const auto width = static_cast<std::size_t>(field.width());
+  float largest = 0;
+  for (std::size_t q = 0; q < 4; ++q)
+    for (std::size_t m = 0; m < width; ++m)
+      largest =
+          std::max(largest, std::abs(field.quarters[(4 * cell + q) * width + m] - field.values[cell * width + m]));
+  return largest;
+}
+
+float brightest(const IrradianceField& field, std::size_t cell) {
+  const auto width = static_cast<std::ptrdiff_t>(field.width());
+  const auto first = field.values.begin() + static_cast<std::ptrdiff_t>(cell) * width;
+  return *std::max_element(first, first + width);
+}
+
+/// Points of the surface, a third of them by area, a third by flux and a third by where the irradiance varies within
+/// its cells: a beam or an edge that covers little of the surface is met too.
+struct Probes {
+  std::vector<glm::vec3> positions;
+  std::vector<double> weights;  ///< one over the density: a weighted sum is an integral over the surface
+};
+
+Probes make_probes(const SurfaceCells& cells, const IrradianceField& field) {
+  constexpr std::size_t per_kind = 128;
+  std::array<std::vector<double>, 3> mass;  // of every cell, summed up
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const auto area = static_cast<double>(cell_area(cells[i]));
+    const double of_cell[3] = {area, area * static_cast<double>(brightest(field, i)),
+                               area * static_cast<double>(spread(field, i))};
+    for (std::size_t k = 0; k < 3; ++k) mass[k].push_back((i ? mass[k].back() : 0) + of_cell[k]);
+  }
+  const auto share = [&](std::size_t kind, std::size_t cell) {
+    const double total = mass[kind].back();
+    return total > 0 ? (mass[kind][cell] - (cell ? mass[kind][cell - 1] : 0)) / total : 0.0;
+  };
+  Probes probes;
+  for (std::size_t kind = 0; kind < 3; ++kind) {
+    if (mass[kind].back() <= 0) continue;
+    for (std::size_t i = 0; i < per_kind; ++i) {
+      const double target = (static_cast<double>(i) + 0.5) / per_kind * mass[kind].back();
+      const auto cell =
+          static_cast<std::size_t>(std::upper_bound(mass[kind].begin(), mass[kind].end(), target) - mass[kind].begin());
+      if (cell >= cells.size()) continue;
+      // A low-discrepancy sequence of the plane, folded into the triangle.
+      float u = static_cast<float>(std::fmod(0.7548776662466927 * static_cast<double>(i + 1), 1.0)),
+            v = static_cast<float>(std::fmod(0.5698402909980532 * static_cast<double>(i + 1), 1.0));
+      if (u + v > 1) u = 1 - u, v = 1 - v;
+      const SurfaceCell& c = cells[cell];
+      probes.positions.push_back(c.a + u * (c.b - c.a) + v * (c.c - c.a));
+      const double density = share(0, cell) + share(1, cell) + share(2, cell);
+      probes.weights.push_back(static_cast<double>(cell_area(c)) / density);
+    }
+  }
+  return probes;
+}
+
+/// Every quarter as a cell with its own irradiance.
+void quarters_of(const SurfaceCells& cells, const IrradianceField& field, SurfaceCells& quarters,
+                 IrradianceField& irradiance) {
+  quarters.resize(4 * cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) split_in_four(cells[i], &quarters[4 * i]);
+  irradiance = {field.etas, field.channels, field.colour, field.quarters, {}};
+}
+
+/// The larger part of the error is where a cell's irradiance varies, less so where the profile is wide against it.
+std::vector<double> indicators(const SurfaceCells& cells, const IrradianceField& field, double core) {
+  std::vector<double> all(cells.size());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const auto area = static_cast<double>(cell_area(cells[i]));
+    all[i] = area * static_cast<double>(spread(field, i)) * std::min(1.0, std::sqrt(area) / core);
+  }
+  return all;
+}
+
+/// The smallest set of cells that holds a part of the sum of the squared indicators; at most `most`.
+std::vector<bool> mark(const std::vector<double>& indicator, double part, std::size_t most, std::size_t& refused) {
+  std::vector<std::uint32_t> order(indicator.size());
+  std::iota(order.begin(), order.end(), 0u);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return indicator[a] > indicator[b]; });
+  double total = 0, held = 0;
+  for (const double i : indicator) total += i * i;
+  std::vector<bool> marked(indicator.size(), false);
+  std::size_t count = 0;
+  for (const std::uint32_t i : order) {
+    if (held >= part * total || indicator[i] <= 0) break;
+    held += indicator[i] * indicator[i];
+    if (count < most)
+      marked[i] = true, ++count;
+    else
+      ++refused;
+  }
+  return marked;
+}
+
+class Discretiser {
+ public:
+  Discretiser(const Scene& scene, const RayScene& rays, std::size_t object, const ChannelProfiles& profiles,
+              const IrradianceSettings& light, const DiscretisationSettings& settings, Counters& counters)
+      : scene_(scene),
+        rays_(rays),
+        object_(object),
+        profiles_(profiles),
+        light_(light),
+        settings_(settings),
+        counters_(counters) {}
+
+  Discretisation run(SurfaceCells cells, IrradianceField irradiance) {
+    Discretisation d{std::move(cells), std::move(irradiance), {}, 0, 0};
+    d.tree = build_cluster_tree(d.cells, d.irradiance);
+    d.error = estimate(d);
+    while (d.error > settings_.max_relative_error && d.rounds < settings_.max_rounds && split(d)) {
+      ++d.rounds;
+      d.tree = build_cluster_tree(d.cells, d.irradiance);
+      d.error = estimate(d);
+    }
+    counters_.done["discretisation_rounds"] += static_cast<std::uint64_t>(d.rounds);
+    d.irradiance.quarters = {};
+    return d;
+  }
+
+ private:
+  /// RMS over RMS of the channel that is worst.
+  double estimate(const Discretisation& d) {
+    if (d.tree.nodes.empty()) return 0;
+    SurfaceCells quarters;
+    IrradianceField field;
+    quarters_of(d.cells, d.irradiance, quarters, field);
+    light_edges_again(d, quarters, field);
+    const Probes probes = make_probes(d.cells, d.irradiance);
+    counters_.done["discretisation_points"] += probes.positions.size();
+    const std::vector<glm::vec3> coarse = exitance(d.tree, d.cells, d.irradiance, probes),
+                                 fine = exitance(build_cluster_tree(quarters, field), quarters, field, probes);
+    double worst = 0;
+    for (int c = 0; c < 3; ++c) {
+      double error = 0, norm = 0;
+      for (std::size_t i = 0; i < fine.size(); ++i) {
+        const double f = static_cast<double>(fine[i][c]), e = static_cast<double>(coarse[i][c]) - f;
+        error += probes.weights[i] * e * e, norm += probes.weights[i] * f * f;
+      }
+      if (norm > 0) worst = std::max(worst, std::sqrt(error / norm));
+    }
+    return 4.0 / 3 * worst;
+  }
+
+  /// Four points don't find the flux of a cell that an edge of light crosses, and its quarters share their mistake:
+  /// they get points of their own.
+  void light_edges_again(const Discretisation& d, const SurfaceCells& quarters, IrradianceField& field) {
+    std::vector<std::uint32_t> crossed;
+    SurfaceCells again;
+    for (std::size_t i = 0; i < d.cells.size(); ++i) {
+      if (spread(d.irradiance, i) < edge * brightest(d.irradiance, i) || brightest(d.irradiance, i) <= 0) continue;
+      crossed.push_back(static_cast<std::uint32_t>(i));
+      again.insert(again.end(), &quarters[4 * i], &quarters[4 * i] + 4);
+    }
+    if (crossed.empty()) return;
+    const IrradianceField lit = object_irradiance(scene_, rays_, object_, again, d.cells.size(), light_, counters_);
+    const auto stride = static_cast<std::ptrdiff_t>(4 * lit.width());
+    for (std::size_t k = 0; k < crossed.size(); ++k)
+      std::copy_n(lit.values.begin() + static_cast<std::ptrdiff_t>(k) * stride, stride,
+                  field.values.begin() + static_cast<std::ptrdiff_t>(crossed[k]) * stride);
+  }
+  static constexpr float edge = 0.2f;
+
+  std::vector<glm::vec3> exitance(const ClusterTree& tree, const SurfaceCells& cells, const IrradianceField& field,
+                                  const Probes& probes) const {
+    Counters apart;
+    return gather_exitance(tree, cells, profiles_, field.colour, probes.positions,
+                           {GatherSettings::Criterion::error, 0.5 * settings_.max_relative_error, 0}, apart);
+  }
+
+  /// Splits cells in four; false if none can be.
+  bool split(Discretisation& d) {
+    const double excess = d.error / settings_.max_relative_error;
+    const double part = std::clamp(1 - 0.5 / (excess * excess), 0.5, 0.99);
+    const std::size_t room = settings_.max_cells > d.cells.size() ? (settings_.max_cells - d.cells.size()) / 3 : 0;
+    std::size_t refused = 0;
+    const std::vector<bool> marked =
+        mark(indicators(d.cells, d.irradiance, std::sqrt(static_cast<double>(profiles_.bounds(1).core_squared()))),
+             part, room, refused);
+    counters_.skipped["cells_beyond_limit"] += refused;
+    SurfaceCells fresh;
+    for (std::size_t i = 0; i < d.cells.size(); ++i)
+      if (marked[i]) fresh.resize(fresh.size() + 4), split_in_four(d.cells[i], &fresh[fresh.size() - 4]);
+    if (fresh.empty()) return false;
+    const IrradianceField lit = object_irradiance(scene_, rays_, object_, fresh, d.cells.size(), light_, counters_);
+    counters_.done["cells_added_by_discretisation"] += 3 * fresh.size() / 4;
+    weave(d, marked, fresh, lit);
+    return true;
+  }
+
+  /// Puts the new cells where their parents were.
+  static void weave(Discretisation& d, const std::vector<bool>& marked, const SurfaceCells& fresh,
+                    const IrradianceField& lit) {
+    const auto width = static_cast<std::size_t>(lit.width());
+    SurfaceCells cells;
+    cells.reserve(d.cells.size() + 3 * fresh.size() / 4);
+    IrradianceField field{lit.etas, lit.channels, lit.colour, {}, {}};
+    const auto append = [&](const IrradianceField& from, std::size_t cell, std::size_t count) {
+      const auto copy = [&](const std::vector<float>& source, std::vector<float>& target, std::size_t each) {
+        const auto first = source.begin() + static_cast<std::ptrdiff_t>(cell * each);
+        target.insert(target.end(), first, first + static_cast<std::ptrdiff_t>(count * each));
+      };
+      copy(from.values, field.values, width);
+      copy(from.quarters, field.quarters, 4 * width);
+    };
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < d.cells.size(); ++i) {
+      if (!marked[i]) {
+        cells.push_back(d.cells[i]);
+        append(d.irradiance, i, 1);
+        continue;
+      }
+      cells.insert(cells.end(), &fresh[next], &fresh[next] + 4);
+      append(lit, next, 4);
+      next += 4;
+    }
+    d.cells = std::move(cells);
+    d.irradiance = std::move(field);
+  }
+
+  const Scene& scene_;
+  const RayScene& rays_;
+  std::size_t object_;
+  const ChannelProfiles& profiles_;
+  const IrradianceSettings& light_;
+  DiscretisationSettings settings_;
+  Counters& counters_;
+};
+
+}  // namespace
+
+Discretisation discretise(const Scene& scene, const RayScene& rays, std::size_t object, const SurfaceCells& cells,
+                          const IrradianceField& irradiance, const ChannelProfiles& profiles,
+                          const IrradianceSettings& light, const DiscretisationSettings& settings, Counters& counters) {
+  OPALINE_CHECK(irradiance.quarters.size() == 4 * irradiance.values.size());
+  return Discretiser(scene, rays, object, profiles, light, settings, counters).run(cells, irradiance);
+}
+
+}  // namespace opaline
