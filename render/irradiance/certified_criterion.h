@@ -48,6 +48,10 @@ class CertifiedCriterion {
   /// May a patch of that extent be used whole by every query within group_radius of a point at `distance`?
   bool accept(const ClusterExtent& e, float distance, float group_radius) {
     const float nearest = std::max(distance - group_radius, 0.0f), farthest = distance + group_radius;
+    // The expansion is worth nothing as an estimate where the patch looks large.
+    const bool small = e.radius * e.radius <= max_opening * (nearest * nearest + bounds_.core_squared());
+    // Around a query such a patch takes the profile from its top: not worth the arithmetic below.
+    if (!small && nearest <= e.radius) return false;
     const float gap = std::max(nearest - e.radius, 0.0f), reach = farthest + e.radius;
     const ProfileBounds::Row& row = bounds_.from(gap * gap);
     const Four& low = bounds_.up_to(reach * reach).low;
@@ -57,9 +61,9 @@ class CertifiedCriterion {
     const float per_x = 1 / (gap * gap + bounds_.core_squared());
     const float y = (2 * d * e.fourth + e.bulge) * per_x, y4 = y * y * y * y;
     const float off = std::max(e.radius * e.radius - e.trace, e.trace);
-    const float third = 12 * d * d * e.mixed + e.variance * (6 * d * e.radius + off);
+    const float third = 12 * d * d * e.mixed + e.deviation * e.deviation * (6 * d * e.radius + off);
     const float z = third * per_x * per_x * per_x;
-    const float deviation = std::sqrt(e.variance);
+    const float deviation = e.deviation;
     // Below the axis there is no profile: the nearer point is moved to it.
     float first = gap > 0 ? 0 : 0.5f * std::max(deviation - e.trace, 0.0f), second = 0;
     if (e.unlike > 0) {
@@ -68,8 +72,6 @@ class CertifiedCriterion {
       second = 1.1f * e.unlike * sigma * sigma * per_x * per_x;
     }
     first *= per_x;
-    // The expansion is worth nothing as an estimate where the patch looks large.
-    const bool small = e.radius * e.radius <= max_opening * (nearest * nearest + bounds_.core_squared());
     const float optimism = small ? optimism_ : 1;
     int rejected = 0;  // plain loops over four floats: compilers make vectors of them
     for (std::size_t o = 0; o < 4; ++o) {

@@ -20,7 +20,7 @@ ClusterExtent extent_of(const Moments& moments, float radius) {
   const float off = std::max(radius * radius - trace, trace);  // | |delta|^2 - trace | is no larger
   return {radius,
           trace,
-          variance,
+          std::sqrt(variance),
           frobenius_norm<2>(moments.second),
           std::sqrt(std::sqrt(frobenius_norm<4>(moments.fourth))),
           std::sqrt(off * std::sqrt(variance)),

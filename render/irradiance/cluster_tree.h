@@ -13,26 +13,26 @@ namespace opaline {
 
 /// What the error of a node used whole depends on. delta: place relative to the centroid, weighted by flux.
 struct ClusterExtent {
-  float radius;    ///< of a sphere around the centroid that holds all its cells [mm]
-  float trace;     ///< E |delta|^2 [mm^2]
-  float variance;  ///< of |delta|^2 [mm^4]
-  float stretch;   ///< >= the largest E (u . delta)^2 over unit u [mm^2]
-  float fourth;    ///< >= the largest E (u . delta)^4 over unit u, to the power 1/4 [mm]
-  float bulge;     ///< >= E (|delta|^2 - trace)^4, to the power 1/4 [mm^2]
-  float mixed;     ///< norm of E delta delta^T (|delta|^2 - trace) - trace/3 E delta delta^T: 0 for a disk [mm^4]
-  float unlike;    ///< largest relative difference of a channel's flux density from the sum's, over the cells
+  float radius;     ///< of a sphere around the centroid that holds all its cells [mm]
+  float trace;      ///< E |delta|^2 [mm^2]
+  float deviation;  ///< of |delta|^2: the root of its variance [mm^2]
+  float stretch;    ///< >= the largest E (u . delta)^2 over unit u [mm^2]
+  float fourth;     ///< >= the largest E (u . delta)^4 over unit u, to the power 1/4 [mm]
+  float bulge;      ///< >= E (|delta|^2 - trace)^4, to the power 1/4 [mm^2]
+  float mixed;      ///< norm of E delta delta^T (|delta|^2 - trace) - trace/3 E delta delta^T: 0 for a disk [mm^4]
+  float unlike;     ///< largest relative difference of a channel's flux density from the sum's, over the cells
 
   /// As large as the larger of both in every way that raises the error: a trace of 0 is the worst.
   ClusterExtent with(const ClusterExtent& o) const {
-    return {std::max(radius, o.radius),     0,
-            std::max(variance, o.variance), std::max(stretch, o.stretch),
-            std::max(fourth, o.fourth),     std::max(bulge, o.bulge),
-            std::max(mixed, o.mixed),       std::max(unlike, o.unlike)};
+    return {std::max(radius, o.radius),       0,
+            std::max(deviation, o.deviation), std::max(stretch, o.stretch),
+            std::max(fourth, o.fourth),       std::max(bulge, o.bulge),
+            std::max(mixed, o.mixed),         std::max(unlike, o.unlike)};
   }
   /// Of a similar part, `scale` times as large.
   ClusterExtent scaled(float scale) const {
     const float s2 = scale * scale, s4 = s2 * s2;
-    return {scale * radius, s2 * trace, s4 * variance, s2 * stretch, scale * fourth, s2 * bulge, s4 * mixed, unlike};
+    return {scale * radius, s2 * trace, s2 * deviation, s2 * stretch, scale * fourth, s2 * bulge, s4 * mixed, unlike};
   }
 };
 

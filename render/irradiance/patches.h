@@ -96,7 +96,7 @@ class PatchList {
     for (int axis = 0; axis < 3; ++axis) geometry_[axis][i] = centroid[axis];
     for (int k = 0; k < 6; ++k) geometry_[3 + k][i] = s2 * n.covariance[k];
     geometry_[9][i] = s2 * n.extent.trace;
-    geometry_[10][i] = s2 * s2 * n.extent.variance;
+    geometry_[10][i] = s2 * s2 * n.extent.deviation * n.extent.deviation;
     for (std::size_t k = 0; k < n.third.size(); ++k) geometry_[11 + k][i] = s3 * n.third[k];
   }
 

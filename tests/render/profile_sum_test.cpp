@@ -209,7 +209,7 @@ ClusterTree disk(float radius) {
   ClusterNode node{};
   node.covariance[0] = node.covariance[3] = radius * radius / 4;
   node.extent.trace = radius * radius / 2;
-  node.extent.variance = node.extent.trace * node.extent.trace / 3;
+  node.extent.deviation = node.extent.trace / std::sqrt(3.0f);
   tree.nodes = {node};
   tree.mass = {1};
   return tree;

@@ -31,7 +31,7 @@ void give_moments(ClusterNode& node, float size, Any&& any) {
                                       std::pow(d.x, 3.0f - static_cast<float>(m)) *
                                       std::pow(d.y, static_cast<float>(m - c)) * std::pow(d.z, static_cast<float>(c));
   }
-  node.extent.variance = fourth - node.extent.trace * node.extent.trace;
+  node.extent.deviation = std::sqrt(std::max(fourth - node.extent.trace * node.extent.trace, 0.0f));
 }
 
 /// The two-point rule for one patch, written out: two values of q and their weights that have the mean q0, the variance
@@ -64,7 +64,7 @@ inline TwoPointRule two_point_rule(const ClusterNode& node, const glm::vec3& pos
   const glm::dvec3 d = glm::dvec3(position) - glm::dvec3(node.centroid);
   const double trace = static_cast<double>(node.extent.trace), along = glm::dot(d, covariance * d);
   const auto [cubic, radial] = third_moments(node, d);
-  const double variance = 4 * along - 4 * radial + static_cast<double>(node.extent.variance);
+  const double variance = 4 * along - 4 * radial + static_cast<double>(node.extent.deviation * node.extent.deviation);
   const double gamma = (4 * trace * along - 8 * cubic) / variance, q0 = glm::dot(d, d) + trace;
   const double spread = std::sqrt(variance + gamma * gamma / 4);
   return {std::max(q0 + gamma / 2 - spread, 0.0), q0 + gamma / 2 + spread, 0.5 + gamma / (4 * spread), spread, d};
