@@ -8,6 +8,7 @@
 #include "render/cmd/exit_status.h"
 #include "render/input_error.h"
 #include "render/render_scene.h"
+#include "reports/cmd/commands.h"
 
 #include <CLI/CLI.hpp>
 
@@ -32,6 +33,7 @@ void add_commands(CLI::App& app) {
   add_render_command(app, shapes);
   add_fit_command(app, shapes);
   add_compare_command(app);
+  add_report_command(app);
 }
 
 /// CLI11 would call a misspelt command an unexpected argument.

@@ -1,0 +1,59 @@
+// Scene x technique x backend: the most accurate result of each, or the reason why there is none.
+#include "reports/analysis.h"
+#include "reports/format.h"
+#include "reports/sections/section.h"
+#include "reports/techniques.h"
+
+#include <fmt/format.h>
+
+#include <set>
+
+namespace opaline {
+namespace {
+
+std::vector<const Record*> cells_of(const SceneGroup& group, const std::string& technique, const std::string& backend) {
+  std::vector<const Record*> cells;
+  for (const Record* r : group.records)
+    if (r->technique == technique && r->backend == backend) cells.push_back(r);
+  return cells;
+}
+
+Cell reason(const std::vector<const Record*>& cells, const std::string& technique, const std::string& backend) {
+  for (const Record* r : cells)
+    if (r->status == CellStatus::failed) return Cell("failed: " + r->reason, Tone::bad);
+  for (const Record* r : cells)
+    if (r->status == CellStatus::not_applicable) return reason_cell("not applicable: " + r->reason);
+  if (!cells.empty()) return reason_cell("measured, but there is no reference it could be compared with");
+  return reason_cell(absence_reason(technique, backend));
+}
+
+Cell matrix_cell(const SceneGroup& group, const std::string& technique, const std::string& backend) {
+  const auto cells = cells_of(group, technique, backend);
+  const Record* best = most_accurate(cells);
+  if (best == nullptr) return reason(cells, technique, backend);
+  Cell cell(fmt::format("{} in {} ({})", relative_text(*error_of(*best)), seconds_text(best->seconds.render.median),
+                        settings_text(*best)));
+  cell.link = record_anchor(*best);
+  return cell;
+}
+
+Blocks write(const ReportData& data) {
+  if (data.records.empty()) return {Paragraph{"There are no records.", Tone::muted}};
+  const auto groups = scene_groups(data.records);
+  const auto techniques = shown_techniques(data.records);
+  Table table{"Relative RMS error and time of a frame at the most accurate settings",
+              {"scene, material", "technique", "cpu", "gpu"},
+              {},
+              groups.size() * techniques.size() > 40};
+  for (const SceneGroup& group : groups)
+    for (const std::string& technique : techniques)
+      table.rows.push_back(
+          {group.title(), technique, matrix_cell(group, technique, "cpu"), matrix_cell(group, technique, "gpu")});
+  return {Paragraph{"Every technique on every scene and backend. A cell without numbers says why."}, table};
+}
+
+}  // namespace
+
+Section matrix_section() { return {"matrix", "Every technique on every scene", write}; }
+
+}  // namespace opaline
