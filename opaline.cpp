@@ -8,6 +8,7 @@
 #include "render/cmd/exit_status.h"
 #include "render/input_error.h"
 #include "render/render_scene.h"
+#include "validate/cmd/commands.h"
 
 #include <CLI/CLI.hpp>
 
