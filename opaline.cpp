@@ -9,6 +9,7 @@
 #include "render/input_error.h"
 #include "render/render_scene.h"
 #include "reports/cmd/commands.h"
+#include "validate/cmd/commands.h"
 
 #include <CLI/CLI.hpp>
 
