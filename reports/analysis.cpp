@@ -1,5 +1,7 @@
 #include "reports/analysis.h"
 
+#include "validate/pareto.h"
+
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -7,17 +9,12 @@
 namespace opaline {
 namespace {
 
-bool by_time_then_error(const Record* a, const Record* b) {
-  const double ta = a->seconds.render.median, tb = b->seconds.render.median;
-  return ta != tb ? ta < tb : *error_of(*a) < *error_of(*b);
-}
-
-/// Ranked records, fastest first.
-std::vector<const Record*> ranked(const std::vector<const Record*>& records) {
-  std::vector<const Record*> out;
-  std::copy_if(records.begin(), records.end(), std::back_inserter(out), [](const Record* r) { return is_ranked(*r); });
-  std::stable_sort(out.begin(), out.end(), by_time_then_error);
-  return out;
+/// Ranked records in the plane of error and frame time; `record` is the place in `records`.
+std::vector<CostPoint> frame_points(const std::vector<const Record*>& records) {
+  std::vector<CostPoint> points;
+  for (std::size_t i = 0; i < records.size(); ++i)
+    if (is_ranked(*records[i])) points.push_back({i, records[i]->seconds.render.median, *error_of(*records[i])});
+  return points;
 }
 
 }  // namespace
@@ -47,26 +44,31 @@ std::optional<double> error_of(const Record& record, const std::string& metric) 
   return it->second;
 }
 
+std::optional<double> truth_error_of(const Record& record) {
+  if (record.status != CellStatus::done || !record.truth_error) return {};
+  const auto it = record.truth_error->find(headline_error);
+  return it != record.truth_error->end() && std::isfinite(it->second) ? std::optional(it->second) : std::nullopt;
+}
+
 bool is_ranked(const Record& record) {
   const double time = record.seconds.render.median;
   return error_of(record).has_value() && std::isfinite(time) && time > 0;
 }
 
-std::vector<const Record*> pareto_front(const std::vector<const Record*>& records) {
+std::vector<const Record*> frame_front(const std::vector<const Record*>& records) {
   std::vector<const Record*> front;
-  for (const Record* r : ranked(records))
-    if (front.empty() || *error_of(*r) < *error_of(*front.back())) front.push_back(r);
+  for (const CostPoint& point : pareto_front(frame_points(records))) front.push_back(records[point.record]);
   return front;
 }
 
 const Record* cheapest_within(const std::vector<const Record*>& records, double max_error) {
-  for (const Record* r : pareto_front(records))
+  for (const Record* r : frame_front(records))
     if (*error_of(*r) <= max_error) return r;
   return nullptr;
 }
 
 const Record* most_accurate(const std::vector<const Record*>& records) {
-  const std::vector<const Record*> front = pareto_front(records);
+  const std::vector<const Record*> front = frame_front(records);
   return front.empty() ? nullptr : front.back();
 }
 

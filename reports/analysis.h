@@ -28,12 +28,15 @@ std::vector<std::string> technique_names(const std::vector<Record>& records);
 /// The finite error of a finished record by that name, or nothing.
 std::optional<double> error_of(const Record& record, const std::string& metric = headline_error);
 
+/// The finite headline error against truth, where the suite asks for it.
+std::optional<double> truth_error_of(const Record& record);
+
 /// A finished record with a headline error and a frame time: one that can be ranked.
 bool is_ranked(const Record& record);
 
 /// The Pareto front of error against frame time (render, median): those ranked records than which no other is both
 /// faster and at least as accurate. Fastest first, errors strictly falling.
-std::vector<const Record*> pareto_front(const std::vector<const Record*>& records);
+std::vector<const Record*> frame_front(const std::vector<const Record*>& records);
 
 /// The fastest whose error is at most that; null if there is none.
 const Record* cheapest_within(const std::vector<const Record*>& records, double max_error);

@@ -12,7 +12,7 @@ namespace opaline {
 enum class Tone { plain, good, bad, muted };
 
 /// One cell of a table. All text is plain: escaping is the writer's.
-struct Cell {
+struct TableCell {
   std::string text;
   Tone tone = Tone::plain;
   bool number = false;  ///< set flush right
@@ -20,22 +20,22 @@ struct Cell {
   std::string id;       ///< anchor that others link to, or empty
   std::string link;     ///< anchor this cell leads to, or empty
 
-  Cell() = default;
-  Cell(std::string words, Tone t = Tone::plain)
-      : text(std::move(words)), tone(t) {}  // NOLINT: a table reads as its text
-  Cell(const char* words) : text(words) {}  // NOLINT
+  TableCell() = default;
+  TableCell(std::string words, Tone t = Tone::plain)
+      : text(std::move(words)), tone(t) {}       // NOLINT: a table reads as its text
+  TableCell(const char* words) : text(words) {}  // NOLINT
 };
 
-Cell number_cell(std::string text);
-Cell code_cell(std::string text);
+TableCell number_cell(std::string text);
+TableCell code_cell(std::string text);
 /// What stands where a value is missing: the reason, muted. A reason is never empty.
-Cell reason_cell(std::string reason);
+TableCell reason_cell(std::string reason);
 
 struct Table {
   std::string caption;
   std::vector<std::string> header;
-  std::vector<std::vector<Cell>> rows;  ///< each as long as the header; the first cell names the row
-  bool folded = false;                  ///< behind a disclosure widget, for tables few will read
+  std::vector<std::vector<TableCell>> rows;  ///< each as long as the header; the first cell names the row
+  bool folded = false;                       ///< behind a disclosure widget, for tables few will read
 };
 
 struct Paragraph {
@@ -54,11 +54,11 @@ struct List {
 
 /// What only HTML can show, with the sentence that stands for it in Markdown. `html` is trusted: whoever builds it
 /// has escaped every text in it.
-struct Figure {
+struct HtmlFigure {
   std::string html, markdown;
 };
 
-using Block = std::variant<Paragraph, Heading, List, Table, Figure>;
+using Block = std::variant<Paragraph, Heading, List, Table, HtmlFigure>;
 using Blocks = std::vector<Block>;
 
 /// One chapter, ready to be written.

@@ -34,7 +34,7 @@ json interval_of(const json& parameter, std::size_t c) {
   return ci.is_array() && !ci.empty() && ci[0].is_array() ? element(ci, c) : ci;
 }
 
-Cell interval_cell(const json& parameter, std::size_t c) {
+TableCell interval_cell(const json& parameter, std::size_t c) {
   if (member(parameter, "free", 0) == json(false)) return reason_cell("fixed");
   const json ci = interval_of(parameter, c);
   const auto low = as_number(element(ci, 0)), high = as_number(element(ci, 1));
@@ -42,14 +42,15 @@ Cell interval_cell(const json& parameter, std::size_t c) {
   return number_cell(precise(*low) + " to " + precise(*high));
 }
 
-Cell verdict_cell(const json& parameter, std::size_t c) {
+TableCell verdict_cell(const json& parameter, std::size_t c) {
   if (member(parameter, "free", 0) == json(false)) return reason_cell("not fitted");
-  if (member(parameter, "identifiable", c) == json(true)) return Cell("identifiable", Tone::good);
+  if (member(parameter, "identifiable", c) == json(true)) return TableCell("identifiable", Tone::good);
   const json reason = member(parameter, "reason", c);
-  return Cell("not identifiable: " + (reason.is_string() ? reason.get<std::string>() : "no reason given"), Tone::bad);
+  return TableCell("not identifiable: " + (reason.is_string() ? reason.get<std::string>() : "no reason given"),
+                   Tone::bad);
 }
 
-void add_comparison(std::vector<Cell>& row, std::optional<double> value, std::optional<double> truth,
+void add_comparison(std::vector<TableCell>& row, std::optional<double> value, std::optional<double> truth,
                     std::optional<double> sd) {
   if (!value || !truth || *truth == 0) {
     row.insert(row.end(), 2, reason_cell(truth ? "no value" : "truth unknown"));
@@ -60,11 +61,11 @@ void add_comparison(std::vector<Cell>& row, std::optional<double> value, std::op
                               : reason_cell("no deviation"));
 }
 
-std::vector<Cell> row(const FitResult& fit, const std::string& name, std::size_t c, bool channels) {
+std::vector<TableCell> row(const FitResult& fit, const std::string& name, std::size_t c, bool channels) {
   const json& parameter = fit.fit["parameters"][name];
   const auto value = as_number(member(parameter, "value", c));
   const auto truth = fit.truth ? as_number(member(*fit.truth, name.c_str(), c)) : std::nullopt;
-  std::vector<Cell> cells = {channels ? fmt::format("{}[{}]", name, "RGB"[c]) : name};
+  std::vector<TableCell> cells = {channels ? fmt::format("{}[{}]", name, "RGB"[c]) : name};
   cells.push_back(truth ? number_cell(precise(*truth)) : reason_cell("unknown"));
   cells.push_back(value ? number_cell(precise(*value)) : reason_cell("not finite"));
   cells.push_back(interval_cell(parameter, c));

@@ -34,17 +34,23 @@ std::vector<const Record*> best_of_each(const SceneGroup& group) {
   return chosen;
 }
 
-/// Builds one scene's pictures; images that several records name are read once.
+/// What errors are measured against, and the exposure everything is shown with.
+struct Reference {
+  Image image;
+  double scale = 1, exposure = 1;
+};
+
+/// Builds one scene's pictures; an image that several records name is read and embedded once.
 class SceneBuilder {
  public:
   SceneBuilder(const ReportData& data, const SceneGroup& group, int side, std::set<std::string>& problems)
       : data_(data), group_(group), side_(side), problems_(problems) {
     json_ = {{"images", Json::object()}, {"entries", Json::array()}};
-    find_reference();
   }
 
-  /// Empty where nothing could be shown.
+  /// Null where nothing could be shown.
   Json build(const std::vector<const Record*>& records) {
+    for (const Record* r : group_.records) add_reference(*r);
     for (const Record* r : records) add_record(*r);
     if (json_["entries"].empty()) return {};
     json_["left"] = 0;
@@ -53,32 +59,17 @@ class SceneBuilder {
   }
 
  private:
-  std::string path_of(const std::string& name) const {
-    return (std::filesystem::path(data_.directory) / name).string();
+  Image read(const std::string& name) const {
+    return read_image((std::filesystem::path(data_.directory) / name).string());
   }
 
-  /// What `make` returns, or nothing and a problem noted.
+  /// Runs `make`; what it throws is noted as a problem of that image.
   template <typename Make>
   void guarded(const std::string& what, Make make) {
     try {
       make();
     } catch (const std::exception& error) {
       problems_.insert(what + ": " + error.what());
-    }
-  }
-
-  void find_reference() {
-    for (const Record* r : group_.records) {
-      const auto it = r->images.find("reference");
-      if (it == r->images.end() || !reference_.data.empty()) continue;
-      guarded(it->second, [&] {
-        reference_ = read_image(path_of(it->second));
-        scale_ = rms(reference_) > 0 ? rms(reference_) : 1;
-        exposure_ = auto_exposure(reference_);
-        add_entry("reference (hierarchical)", "image", it->second, nullptr,
-                  "certified to " + relative_text(r->reference.certified_relative_error));
-        embed(it->second, [&] { return tonemapped_png(shrunk(reference_, side_), exposure_); });
-      });
     }
   }
 
@@ -92,50 +83,77 @@ class SceneBuilder {
     json_["entries"].push_back({{"label", label}, {"kind", kind}, {"image", image}, {"error", error}, {"note", note}});
   }
 
-  void add_record(const Record& r) {
-    const std::string label = contender(r) + ", " + settings_text(r);
-    guarded(r.images.at("render"), [&] { add_render(r, label); });
-    if (reference_.data.empty()) return;
-    for (const char* layer : {"bound", "variance"})
-      if (const auto it = r.images.find(layer); it != r.images.end())
-        guarded(it->second, [&] { add_layer(it->second, layer, label); });
-    if (const auto it = r.images.find("truth"); it != r.images.end())
-      guarded(it->second, [&] { add_truth(it->second, r); });
+  /// Records with another profile have another reference.
+  void add_reference(const Record& r) {
+    const auto it = r.images.find("reference");
+    if (it == r.images.end() || references_.count(it->second) > 0) return;
+    guarded(it->second, [&] {
+      Reference made{read(it->second), 1, 1};
+      const double level = rms(made.image);
+      made.scale = level > 0 ? level : 1;
+      made.exposure = auto_exposure(made.image);
+      const std::string number = references_.empty() ? "" : fmt::format(", {}", references_.size() + 1);
+      add_entry("reference (hierarchical" + number + ")", "image", it->second, nullptr,
+                "certified to " + relative_text(r.reference.certified_relative_error));
+      embed(it->second, [&] { return tonemapped_png(shrunk(made.image, side_), made.exposure); });
+      if (references_.empty()) first_reference_ = it->second;
+      references_[it->second] = std::move(made);
+    });
   }
 
-  void add_render(const Record& r, const std::string& label) {
-    const std::string file = r.images.at("render"), error = "error of " + file;
-    const Image image = read_image(path_of(file));
-    const bool comparable = !reference_.data.empty();
-    if (comparable)
-      embed(error, [&] { return false_colour_png(shrunk_error(relative_error(image, reference_, scale_))); });
-    embed(file, [&] { return tonemapped_png(shrunk(image, side_), comparable ? exposure_ : auto_exposure(image)); });
-    add_entry(label, "image", file, comparable ? Json(error) : Json(),
-              error_of(r) ? "relative RMSE " + relative_text(*error_of(r)) : "no reference");
+  /// The record's own reference, else the scene's first, else null.
+  const Reference* reference_of(const Record& r) const {
+    const auto own = r.images.find("reference");
+    const auto it = references_.find(own != r.images.end() ? own->second : first_reference_);
+    return it == references_.end() ? nullptr : &it->second;
+  }
+
+  void add_record(const Record& r) {
+    const Reference* reference = reference_of(r);
+    const std::string& file = r.images.at("render");
+    guarded(file, [&] {
+      const std::string note = error_of(r) ? "relative RMSE " + relative_text(*error_of(r))
+                                           : "no error: " + (r.reason.empty() ? "no reference" : r.reason);
+      add_picture(contender(r) + ", " + settings_text(r), file, reference, note);
+    });
+    if (reference == nullptr) return;
+    // By the records' contract the bound is the reference's and the variance the truth's.
+    add_layer(r, "bound", "reference (hierarchical)", *reference);
+    if (const auto it = r.images.find("truth"); it != r.images.end() && !json_["images"].contains(it->second))
+      guarded(it->second, [&] {
+        add_picture("truth (path_traced)", it->second, reference,
+                    "its standard error is " + relative_text(r.reference.truth_standard_error));
+      });
+    add_layer(r, "variance", "truth (path_traced)", *reference);
+  }
+
+  /// An image and, where there is a reference, its error.
+  void add_picture(const std::string& label, const std::string& file, const Reference* reference,
+                   const std::string& note) {
+    const Image image = read(file);
+    const std::string error = "error of " + file;
+    if (reference != nullptr)
+      embed(error,
+            [&] { return false_colour_png(shrunk(relative_error(image, reference->image, reference->scale), side_)); });
+    const double exposure = reference != nullptr ? reference->exposure : auto_exposure(image);
+    embed(file, [&] { return tonemapped_png(shrunk(image, side_), exposure); });
+    add_entry(label, "image", file, reference != nullptr ? Json(error) : Json(), note);
   }
 
   /// A bound or a standard error, on the errors' scale.
-  void add_layer(const std::string& file, const std::string& layer, const std::string& label) {
-    const std::string key = layer + " " + file, kind = layer == "bound" ? "bound" : "standard error";
-    if (json_["images"].contains(key)) return;
-    const Image image = read_image(path_of(file));
-    embed(key, [&] {
-      return false_colour_png(shrunk_error(relative_size(image, reference_, scale_, layer == "variance")));
+  void add_layer(const Record& r, const std::string& layer, const std::string& label, const Reference& reference) {
+    const auto it = r.images.find(layer);
+    if (it == r.images.end() || json_["images"].contains(it->second)) return;
+    guarded(it->second, [&] {
+      const Image image = read(it->second);
+      embed(it->second, [&] {
+        return false_colour_png(
+            shrunk(relative_size(image, reference.image, reference.scale, layer == "variance"), side_));
+      });
+      add_entry(label, layer == "bound" ? "bound" : "standard error", it->second, nullptr,
+                "relative to the reference's RMS");
     });
-    add_entry(label, kind, key, nullptr, "relative to the reference's RMS");
   }
-
-  void add_truth(const std::string& file, const Record& r) {
-    if (json_["images"].contains(file)) return;
-    const std::string error = "error of " + file;
-    const Image image = read_image(path_of(file));
-    embed(error, [&] { return false_colour_png(shrunk_error(relative_error(image, reference_, scale_))); });
-    embed(file, [&] { return tonemapped_png(shrunk(image, side_), exposure_); });
-    add_entry("truth (path_traced)", "image", file, error,
-              "its standard error is " + relative_text(r.reference.truth_standard_error));
-  }
-
-  Image shrunk_error(const Image& relative) const { return shrunk(relative, side_); }
 
   /// The cheapest within 5 %, else the first that isn't the reference.
   std::size_t preferred_right(const std::vector<const Record*>& records) const {
@@ -150,8 +168,8 @@ class SceneBuilder {
   const SceneGroup& group_;
   const int side_;
   std::set<std::string>& problems_;
-  Image reference_;
-  double scale_ = 1, exposure_ = 1;
+  std::map<std::string, Reference> references_;  ///< by file
+  std::string first_reference_;
   Json json_;
 };
 

@@ -1,4 +1,5 @@
-// The verdict of the gates: gates.json, {"gates": [{"name", "value", "limit", "passed", "reason"}]}.
+// The verdict of the gates: gates.json, {"gates": [{"name", "outcome": "passed" | "failed" | "skipped",
+// "value", "max" or "min", "where", "message"}]}.
 #pragma once
 
 #include "reports/document.h"

@@ -17,12 +17,30 @@ std::string attribute(const char* name, const std::string& value) {
   return value.empty() ? "" : fmt::format(" {}=\"{}\"", name, html_escaped(value));
 }
 
+/// Longer ones may wrap.
+constexpr std::size_t longest_number = 18;
+
+/// Escaped text with `words` in backquotes as code.
+std::string with_code(const std::string& text) {
+  std::string out;
+  bool inside = false;
+  for (const char c : html_escaped(text)) {
+    if (c != '`') {
+      out += c;
+      continue;
+    }
+    out += inside ? "</code>" : "<code>";
+    inside = !inside;
+  }
+  return inside ? out + "</code>" : out;
+}
+
 /// The sign before a toned text, for those who don't see the colour.
 const char* sign(Tone tone) { return tone == Tone::good ? "✓ " : tone == Tone::bad ? "✗ " : ""; }
 
-std::string classes(const Cell& cell) {
+std::string classes(const TableCell& cell) {
   std::string names;
-  if (cell.number) names += "n ";
+  if (cell.number) names += cell.text.size() > longest_number ? "n wide " : "n ";
   if (cell.tone == Tone::good) names += "good ";
   if (cell.tone == Tone::bad) names += "bad ";
   if (cell.tone == Tone::muted) names += "muted ";
@@ -30,7 +48,7 @@ std::string classes(const Cell& cell) {
   return names;
 }
 
-std::string cell_html(const Cell& cell, bool names_row) {
+std::string cell_html(const TableCell& cell, bool names_row) {
   std::string text = sign(cell.tone) + html_escaped(cell.text);
   if (cell.code) text = "<code>" + text + "</code>";
   if (!cell.link.empty()) text = fmt::format("<a href=\"#{}\">{}</a>", html_escaped(cell.link), text);
@@ -39,7 +57,7 @@ std::string cell_html(const Cell& cell, bool names_row) {
                    : fmt::format("<td{}>{}</td>", attributes, text);
 }
 
-std::string row_html(const std::vector<Cell>& row) {
+std::string row_html(const std::vector<TableCell>& row) {
   std::string line = "<tr>";
   for (std::size_t i = 0; i < row.size(); ++i) line += cell_html(row[i], i == 0);
   return line + "</tr>\n";
@@ -60,7 +78,7 @@ std::string html(const Paragraph& p) {
                       : p.tone == Tone::good  ? " class=\"good\""
                       : p.tone == Tone::muted ? " class=\"muted\""
                                               : "";
-  return fmt::format("<p{}>{}{}</p>\n", style, sign(p.tone), html_escaped(p.text));
+  return fmt::format("<p{}>{}{}</p>\n", style, sign(p.tone), with_code(p.text));
 }
 
 std::string html(const Heading& h) {
@@ -73,24 +91,24 @@ std::string html(const List& list) {
   return text + "</ul>\n";
 }
 
-std::string html(const Figure& figure) { return figure.html; }
+std::string html(const HtmlFigure& figure) { return figure.html; }
 
 }  // namespace
 
-Cell number_cell(std::string text) {
-  Cell cell(std::move(text));
+TableCell number_cell(std::string text) {
+  TableCell cell(std::move(text));
   cell.number = true;
   return cell;
 }
 
-Cell code_cell(std::string text) {
-  Cell cell(std::move(text));
+TableCell code_cell(std::string text) {
+  TableCell cell(std::move(text));
   cell.code = true;
   return cell;
 }
 
-Cell reason_cell(std::string reason) {
-  return Cell(reason.empty() ? "no reason was recorded" : std::move(reason), Tone::muted);
+TableCell reason_cell(std::string reason) {
+  return TableCell(reason.empty() ? "no reason was recorded" : std::move(reason), Tone::muted);
 }
 
 std::string html_escaped(const std::string& text) {
@@ -132,8 +150,8 @@ std::string script_json(const ordered_json& json) {
 
 // The wrapper scrolls sideways on a narrow screen; being focusable, it does so by keyboard too.
 std::string html(const Table& table) {
-  std::string body =
-      fmt::format("<table><caption>{}</caption>\n", html_escaped(table.caption)) + header_html(table) + "<tbody>\n";
+  std::string body = fmt::format("<table><caption><span>{}</span></caption>\n", html_escaped(table.caption)) +
+                     header_html(table) + "<tbody>\n";
   for (const auto& row : table.rows) body += row_html(row);
   body =
       fmt::format("<div class=\"scroll\" role=\"region\" tabindex=\"0\" aria-label=\"{}\">{}</tbody></table></div>\n",

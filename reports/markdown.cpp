@@ -15,7 +15,7 @@ std::string code(const std::string& text) {
   return out + "`";
 }
 
-std::string cell_text(const Cell& cell) {
+std::string cell_text(const TableCell& cell) {
   const char* sign = cell.tone == Tone::bad ? "✗ " : cell.tone == Tone::good ? "✓ " : "";
   return sign + (cell.code ? code(cell.text) : markdown_escaped(cell.text));
 }
@@ -29,7 +29,7 @@ std::string markdown(const Table& table) {
   text += "\n" + rule + "\n";
   for (const auto& row : table.rows) {
     text += "|";
-    for (const Cell& cell : row) text += " " + cell_text(cell) + " |";
+    for (const TableCell& cell : row) text += " " + cell_text(cell) + " |";
     text += "\n";
   }
   return table.folded
@@ -47,7 +47,7 @@ std::string markdown(const List& list) {
   for (const std::string& item : list.items) text += "- " + markdown_escaped(item) + "\n";
   return text + "\n";
 }
-std::string markdown(const Figure& figure) {
+std::string markdown(const HtmlFigure& figure) {
   return figure.markdown.empty() ? "" : markdown_escaped(figure.markdown) + "\n\n";
 }
 

@@ -82,7 +82,7 @@ std::string shown(double value, const std::string& quantity, bool ratio) {
   return number_text(value);
 }
 
-Cell ours_cell(const json& figure, const std::string& technique, const std::vector<Record>& records) {
+TableCell ours_cell(const json& figure, const std::string& technique, const std::vector<Record>& records) {
   if (!figure.contains("ours")) return reason_cell(figure.value("note", "not something the records measure"));
   const json& ours = figure["ours"];
   const auto values = figure_values(ours, technique, records);
@@ -129,7 +129,7 @@ std::optional<Table> paper_table(const std::string& technique, const std::vector
   for (const json& figure : document.at("figures"))
     table.rows.push_back({figure.at("what").get<std::string>(), figure.at("paper").get<std::string>(),
                           figure.at("where").get<std::string>(), ours_cell(figure, technique, records),
-                          figure.contains("note") ? Cell(figure["note"].get<std::string>()) : reason_cell("-")});
+                          figure.contains("note") ? TableCell(figure["note"].get<std::string>()) : reason_cell("-")});
   return table;
 }
 

@@ -68,6 +68,7 @@ const opaline = (() => {
   };
   return {
     dark: () => !printing && (root.dataset.theme ? root.dataset.theme === "dark" : system.matches),
+    printing: () => printing,
     json: (id) => JSON.parse(document.getElementById(id).textContent),
     element, select,
   };

@@ -19,13 +19,19 @@
     const l = look();
     return {
       xaxis: axis(x, l), yaxis: axis(y, l), font: { color: l.text, size: 13 }, paper_bgcolor: l.ground, plot_bgcolor: l.ground,
-      margin: { l: 60, r: 15, t: 10, b: 50 }, showlegend: false, hovermode: "closest",
+      margin: { l: 60, r: 15, t: 15, b: 50 }, hovermode: "closest",
       hoverlabel: { align: "left", bgcolor: l.ground, font: { color: l.text } },
+      // On paper the legend stands for the switches, and the width is the paper's (A4 less its margins, at 96 dpi).
+      showlegend: opaline.printing(), legend: { orientation: "h", y: -0.22 }, width: opaline.printing() ? 690 : undefined, autosize: true,
       // Dragging on a touch screen scrolls the page.
       dragmode: matchMedia("(pointer: coarse)").matches ? false : "zoom",
     };
   };
-  const config = { responsive: true, displaylogo: false, modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"] };
+  // No button that sends anything anywhere; on a touch screen there is no room for any.
+  const config = {
+    responsive: true, displaylogo: false, displayModeBar: matchMedia("(pointer: coarse)").matches ? false : "hover",
+    modeBarButtons: [["toImage", "zoom2d", "pan2d", "zoomIn2d", "zoomOut2d", "resetScale2d"]],
+  };
 
   // Each plot is drawn when it comes near the window, and all of them before printing.
   const waiting = new Map();
@@ -134,12 +140,13 @@
   const convergencePlot = (script) => {
     const div = document.getElementById(script.dataset.plot);
     const histories = JSON.parse(script.textContent);
+    const longest = Math.max(...histories.map((h) => h.length));
     const show = () => {
       const l = look();
       Plotly.react(div, histories.map((costs, i) => ({
         type: "scatter", mode: "lines+markers", name: `start ${i + 1}`, y: costs, x: costs.map((_, k) => k),
         line: { color: l.series[i % l.series.length], width: 1.5 }, marker: { size: 4 }, hovertemplate: `start ${i + 1}, iteration %{x}: %{y:.6g}<extra></extra>`,
-      })), { ...layout("iteration", "cost"), xaxis: { ...axis("iteration", l), type: "linear" } }, config);
+      })), { ...layout("iteration", "cost"), xaxis: { ...axis("iteration", l), type: "linear", minor: {}, dtick: Math.max(1, Math.ceil(longest / 10)) } }, config);
     };
     document.addEventListener("opaline-theme", () => { if (!waiting.has(div)) show(); });
     later(div, show);

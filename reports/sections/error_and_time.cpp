@@ -62,7 +62,7 @@ Json plot_data(const ReportData& data) {
   const auto groups = scene_groups(data.records);
   for (std::size_t g = 0; g < groups.size(); ++g) {
     json["groups"].push_back(groups[g].title());
-    const auto front = pareto_front(groups[g].records);
+    const auto front = frame_front(groups[g].records);
     for (const Record* r : groups[g].records) {
       if (r->status != CellStatus::done) continue;
       json["points"].push_back(point(*r, g, std::find(front.begin(), front.end(), r) != front.end(), metrics));
@@ -91,12 +91,12 @@ Table front_table(const std::vector<SceneGroup>& groups) {
               {},
               groups.size() > 12};
   for (const SceneGroup& group : groups) {
-    const auto front = pareto_front(group.records);
+    const auto front = frame_front(group.records);
     if (front.empty())
       table.rows.push_back({group.title(), reason_cell("nothing was measured that can be ranked"), reason_cell("-"),
                             reason_cell("-"), reason_cell("-")});
     for (const Record* r : front) {
-      Cell technique(contender(*r));
+      TableCell technique(contender(*r));
       technique.link = record_anchor(*r);
       table.rows.push_back({group.title(), technique, code_cell(settings_text(*r)),
                             number_cell(seconds_text(r->seconds.render.median)),
@@ -113,7 +113,7 @@ Blocks write(const ReportData& data) {
       Paragraph{"Each point is one technique with one choice of settings. Lower is more accurate, further left is "
                 "faster; the line is the Pareto front of what is shown. Filled marks are the CPU, open ones the GPU. "
                 "Errors are against the hierarchical reference, those marked as truth against path_traced."},
-      Figure{plot_html(data), ""}, front_table(scene_groups(data.records))};
+      HtmlFigure{plot_html(data), ""}, front_table(scene_groups(data.records))};
 }
 
 }  // namespace

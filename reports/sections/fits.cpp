@@ -29,8 +29,8 @@ std::string picture_html(const std::string& name, const std::string& path, const
   }
 }
 
-Figure pictures(const FitResult& fit) {
-  std::string html = "<div class=\"row\">\n";
+HtmlFigure pictures(const FitResult& fit) {
+  std::string html = "<div class=\"row thumbs\">\n";
   if (fit.images.count("target") == 0) return {"", ""};
   for (const auto& name : {"target", "refit", "difference"})
     if (const auto it = fit.images.find(name); it != fit.images.end()) html += picture_html(name, it->second, fit);
@@ -38,7 +38,7 @@ Figure pictures(const FitResult& fit) {
 }
 
 /// Cost histories of all starts; page/plots.js draws them.
-Figure convergence(const FitResult& fit, std::size_t index) {
+HtmlFigure convergence(const FitResult& fit, std::size_t index) {
   nlohmann::ordered_json histories = nlohmann::ordered_json::array();
   for (const json& start : fit.fit.value("start_records", json::array()))
     if (start.is_object() && start.contains("cost_history")) histories.emplace_back(start["cost_history"]);

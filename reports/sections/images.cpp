@@ -19,8 +19,8 @@ std::string options(const std::vector<GalleryScene>& scenes) {
 std::string legend() {
   return fmt::format(
       R"(<div class="scale" role="img" aria-label="Colour scale from {0:g} to {1:g} of the reference's RMS, logarithmic">
-<span>1e-4</span><span>1e-3</span><span>0.01</span><span>0.1</span><span>1</span>
-<div style="background:{2}"></div></div>
+<div><span>1e-4</span><span>1e-3</span><span>0.01</span><span>0.1</span><span>1</span></div>
+<div class="bar" style="background:{2}"></div></div>
 )",
       false_colour_low, false_colour_high, false_colour_gradient());
 }
@@ -54,7 +54,7 @@ Blocks write(const ReportData& data) {
   if (gallery.scenes.empty())
     blocks.push_back(Paragraph{"No record names an image: the suite keeps none.", Tone::muted});
   else
-    blocks.push_back(Figure{viewer_html(gallery), "The images are in the HTML report."});
+    blocks.push_back(HtmlFigure{viewer_html(gallery), "The images are in the HTML report."});
   if (!gallery.scenes.empty())
     blocks.push_back(
         Paragraph{"Both images have the exposure of the scene's reference. Errors, bounds and standard errors of all "

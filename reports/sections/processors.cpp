@@ -35,7 +35,7 @@ std::string renderer(const Pairs& pairs) {
   return name.empty() ? "not stated" : name;
 }
 
-std::vector<Cell> row(const std::string& technique, const Pairs& pairs) {
+std::vector<TableCell> row(const std::string& technique, const Pairs& pairs) {
   std::vector<double> ratios;
   for (const auto& [cpu, gpu] : pairs)
     if (gpu->seconds.render.median > 0) ratios.push_back(cpu->seconds.render.median / gpu->seconds.render.median);

@@ -37,16 +37,17 @@ std::map<std::string, std::map<std::string, Tally>> tallies(const std::vector<Re
   return all;
 }
 
-std::vector<Cell> row(const std::string& who, const std::string& counter, const Tally& t) {
-  const Cell none = reason_cell("no counter of work done has this name");
+std::vector<TableCell> row(const std::string& who, const std::string& counter, const Tally& t) {
+  const TableCell none = reason_cell("no counter of work done has this name");
   const bool has_share = t.done > 0;
   return {who,
           words(counter),
           has_share ? number_cell(count_text(t.done)) : none,
           number_cell(count_text(t.skipped)),
           has_share ? number_cell(relative_text(share(t.done, t.skipped))) : reason_cell("-"),
-          has_share && !t.largest_in.empty() ? Cell(fmt::format("{} in {}", relative_text(t.largest), t.largest_in))
-                                             : reason_cell("-")};
+          has_share && !t.largest_in.empty()
+              ? TableCell(fmt::format("{} in {}", relative_text(t.largest), t.largest_in))
+              : reason_cell("-")};
 }
 
 Blocks write(const ReportData& data) {

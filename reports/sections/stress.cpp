@@ -47,28 +47,28 @@ std::string place(const json& row) {
   return text;
 }
 
-Cell value_cell(std::optional<double> value) {
+TableCell value_cell(std::optional<double> value) {
   return value ? number_cell(number_text(*value)) : reason_cell("not compared");
 }
 
-Cell count_cell(const json& row, const char* key) {
+TableCell count_cell(const json& row, const char* key) {
   const double count = number(row, key).value_or(0);
-  Cell cell = number_cell(count_text(static_cast<std::uint64_t>(count)));
+  TableCell cell = number_cell(count_text(static_cast<std::uint64_t>(count)));
   return cell;
 }
 
-std::vector<Cell> cells(const json& row) {
+std::vector<TableCell> cells(const json& row) {
   const json name = row.value("name", json("unnamed"));
   const bool derivative = row.value("derivative", json(false)) == json(true);
-  std::vector<Cell> line = {(derivative ? "d " : "") + (name.is_string() ? name.get<std::string>() : name.dump())};
+  std::vector<TableCell> line = {(derivative ? "d " : "") + (name.is_string() ? name.get<std::string>() : name.dump())};
   line.push_back(count_cell(row, "points"));
   line.push_back(value_cell(worst(row, "worst_ulp_per_condition")));
   line.push_back(value_cell(number(row, "limit")));
   line.push_back(value_cell(worst(row, "worst_ulp")));
   for (const char* key : {"checked", "nan", "infinite", "negative", "not_monotone"})
     line.push_back(count_cell(row, key));
-  line.push_back(passed(row) ? Cell("ok", Tone::good) : Cell("past a limit", Tone::bad));
-  line.push_back(place(row).empty() ? reason_cell("not compared") : Cell(place(row)));
+  line.push_back(passed(row) ? TableCell("ok", Tone::good) : TableCell("past a limit", Tone::bad));
+  line.push_back(place(row).empty() ? reason_cell("not compared") : TableCell(place(row)));
   return line;
 }
 
@@ -91,7 +91,7 @@ Blocks write(const ReportData& data) {
           broken == 0 ? Paragraph{"Every function is within its limit, and none gave NaN, infinity, a negative or a "
                                   "non-monotone value.",
                                   Tone::good}
-                      : Paragraph{fmt::format("{} functions are past a limit.", broken), Tone::bad},
+                      : Paragraph{fmt::format("{} of {} functions broke a limit.", broken, rows.size()), Tone::bad},
           table};
 }
 

@@ -37,9 +37,9 @@ std::string what_was_run(const ReportData& data, std::size_t scenes) {
       count_of(data.records, CellStatus::failed));
 }
 
-Cell best_cell(const Record* r, const std::string& reason) {
+TableCell best_cell(const Record* r, const std::string& reason) {
   if (r == nullptr) return reason_cell(reason);
-  Cell cell(
+  TableCell cell(
       fmt::format("{}: {} in {}", contender(*r), relative_text(*error_of(*r)), seconds_text(r->seconds.render.median)));
   cell.link = record_anchor(*r);
   return cell;
@@ -79,7 +79,7 @@ Table wins_table(const std::vector<SceneGroup>& groups) {
               {},
               false};
   for (const auto& [name, counts] : wins) {
-    std::vector<Cell> row = {name};
+    std::vector<TableCell> row = {name};
     for (const int n : counts) row.push_back(number_cell(std::to_string(n)));
     table.rows.push_back(row);
   }

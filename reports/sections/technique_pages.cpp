@@ -32,22 +32,23 @@ void describe(Blocks& blocks, const std::string& name) {
                             edits_text(t->invalidated_by), t->limits.empty() ? "none stated" : t->limits)});
 }
 
-std::vector<Cell> row(const SceneGroup& group, const std::vector<const Record*>& cells) {
+std::vector<TableCell> row(const SceneGroup& group, const std::vector<const Record*>& cells) {
   const Record* best = most_accurate(cells);
+  const std::string nothing = cells.front()->reason.empty() ? "nothing measured" : cells.front()->reason;
   const Record* cheap = cheapest_within(cells, 0.05);
   const auto cell = [](const Record* r, const char* none) {
     if (r == nullptr) return reason_cell(none);
-    Cell c(fmt::format("{} in {} ({}, {})", relative_text(*error_of(*r)), seconds_text(r->seconds.render.median),
-                       r->backend, settings_text(*r)));
+    TableCell c(fmt::format("{} in {} ({}, {})", relative_text(*error_of(*r)), seconds_text(r->seconds.render.median),
+                            r->backend, settings_text(*r)));
     c.link = record_anchor(*r);
     return c;
   };
-  const auto truth = [&]() -> Cell {
-    if (best == nullptr || !best->truth_error) return reason_cell("the suite does not ask for truth here");
-    const auto it = best->truth_error->find(headline_error);
-    return it == best->truth_error->end() ? reason_cell("not computed") : number_cell(relative_text(it->second));
+  const auto truth = [&]() -> TableCell {
+    const Record* judged = best != nullptr ? best : cells.front();
+    const auto error = truth_error_of(*judged);
+    return error ? number_cell(relative_text(*error)) : reason_cell("the suite does not ask for truth here");
   };
-  return {group.title(), cell(best, "nothing measured"), cell(cheap, "nothing within 5 %"), truth()};
+  return {group.title(), cell(best, nothing.c_str()), cell(cheap, "nothing within 5 %"), truth()};
 }
 
 Table reached(const ReportData& data, const std::string& name) {

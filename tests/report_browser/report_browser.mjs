@@ -76,6 +76,8 @@ async function testPlot(page) {
   await page.locator("#plot-metric").selectOption({ label: "flip" });
   check((await page.locator("#error-plot .ytitle").textContent()).includes("flip"), "another error can be chosen");
   await page.locator("#plot-metric").selectOption({ label: "relative rmse" });
+  const buttons = await page.locator("#error-plot .modebar-btn").evaluateAll((all) => all.map((b) => b.dataset.title));
+  check(buttons.length === 6 && !buttons.some((b) => /share|cloud|studio/i.test(b)), `no button sends the plot anywhere: ${buttons.join(", ")}`);
   await testHover(page);
 }
 
@@ -122,7 +124,7 @@ async function testViewer(page) {
 
 async function testText(page) {
   const text = await page.locator("main").innerText();
-  for (const words of ["1 of 2 gates fell short", "too slow", "out of <memory>", "the technique has no gpu backend", "bust <b>\"front\"</b> & 'side' | x",
+  for (const words of ["1 of 3 gates fell short. 1 could not be checked.", "too slow", "out of <memory>", "the technique has no gpu backend", "bust <b>\"front\"</b> & 'side' | x",
     "virtually the same, apart from some small scaling factor", "broken <profile>", "the command has no GPU backend", "not identifiable: flat"])
     check(text.includes(words), `the page says: ${words}`);
   check(await page.evaluate(() => [...document.querySelectorAll("td, tbody th")].every((c) => c.textContent.trim() !== "")), "no cell of any table is empty");
@@ -166,8 +168,10 @@ async function contrast(page) {
 }
 
 async function shot(page, name, fullPage = true) {
-  await page.evaluate(() => scrollTo(0, document.body.scrollHeight));  // everything is drawn when it comes near
-  await page.waitForTimeout(500);
+  await page.evaluate(async () => {  // everything is drawn when it comes near
+    for (let y = 0; y < document.body.scrollHeight; y += innerHeight / 2) { scrollTo(0, y); await new Promise((r) => setTimeout(r, 30)); }
+  });
+  await page.waitForTimeout(300);
   await page.evaluate(() => scrollTo(0, 0));
   await page.screenshot({ path: join(out, `${name}.png`), fullPage });
 }

@@ -68,7 +68,8 @@ TEST_F(Report, HasNoEmptyCell) {
       if (const Table* table = std::get_if<Table>(&block))
         for (const auto& row : table->rows) {
           ASSERT_EQ(row.size(), table->header.size()) << table->caption;
-          for (const Cell& cell : row) EXPECT_FALSE(cell.text.empty()) << table->caption << ": " << row.front().text;
+          for (const TableCell& cell : row)
+            EXPECT_FALSE(cell.text.empty()) << table->caption << ": " << row.front().text;
         }
 }
 
@@ -76,7 +77,7 @@ TEST_F(Report, SaysWhatFailedAndWhatIsNotApplicable) {
   const std::string markdown = text(read());
   EXPECT_THAT(markdown, HasSubstr("out of \\<memory\\>"));
   EXPECT_THAT(markdown, HasSubstr("the command has no GPU backend"));
-  EXPECT_THAT(markdown, HasSubstr("1 of 2 gates fell short"));
+  EXPECT_THAT(markdown, HasSubstr("1 of 3 gates fell short"));
   EXPECT_THAT(markdown, HasSubstr("the technique has no gpu backend")) << "path\\_traced, not in the records";
 }
 
@@ -96,7 +97,7 @@ TEST_F(Report, ShowsFitsWithTheirTruth) {
 
 TEST_F(Report, PutsBrokenStressRowsFirst) {
   const std::string markdown = text(read());
-  EXPECT_THAT(markdown, HasSubstr("1 functions are past a limit"));
+  EXPECT_THAT(markdown, HasSubstr("1 of 2 functions broke a limit"));
   EXPECT_LT(markdown.find("broken \\<profile\\>"), markdown.find("| fresnel |"));
 }
 

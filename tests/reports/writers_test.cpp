@@ -32,7 +32,7 @@ TEST(Html, JsonCannotEndItsScript) {
 }
 
 TEST(Html, EveryCellIsEscapedAndTheFirstNamesItsRow) {
-  Cell linked("<t>");
+  TableCell linked("<t>");
   linked.link = "a\"b";
   const std::string text =
       html(Table{"<caption>", {"<h>", "n"}, {{"<r>", number_cell("<1>")}, {linked, reason_cell("")}}, false});
@@ -43,7 +43,7 @@ TEST(Html, EveryCellIsEscapedAndTheFirstNamesItsRow) {
 
 TEST(Markdown, EscapesWhatWouldBeMarkup) {
   EXPECT_EQ(markdown_escaped("a|b *c* _d_ <e>\nf"), "a\\|b \\*c\\* \\_d\\_ \\<e\\> f");
-  Cell command = code_cell("opaline `x` | y");
+  TableCell command = code_cell("opaline `x` | y");
   const std::string text = markdown(Block(Table{"t", {"h", "n"}, {{command, number_cell("1")}}, false}));
   EXPECT_EQ(text, "**t**\n\n| h | n |\n| --- | ---: |\n| `opaline 'x' \\| y` | 1 |\n\n");
 }

@@ -66,7 +66,8 @@ inline Record made_up_record(const std::string& scene, const std::string& materi
              {"flip", 0.5 * error},
              {"mean_error", -0.1 * error},
              {"psnr", -20 * std::log10(error)}};
-  r.reference.certified_relative_error = 8e-4;
+  r.truth_error = {{"relative_rmse", error + 0.05}};
+  r.reference.certified_relative_error = 8e-4, r.reference.truth_standard_error = 0.01;
   r.peak_rss_bytes = 123'456'789;
   r.done = {{"samples", 1000u * static_cast<unsigned>(samples)}};
   r.skipped = {{"samples", 3000u * static_cast<unsigned>(samples)}, {"equal_channels", 2}};
@@ -94,7 +95,8 @@ inline std::vector<Record> made_up_records(std::size_t count) {
           if (t == 3 && backend == "gpu")
             r.status = CellStatus::not_applicable, r.reason = "the command has no GPU backend";
           if (scene == 0 && t == 2 && samples == 512) r.status = CellStatus::failed, r.reason = "out of <memory>";
-          if (r.status != CellStatus::done) r.error.clear(), r.seconds = {}, r.done.clear(), r.skipped.clear();
+          if (r.status != CellStatus::done)
+            r.error.clear(), r.truth_error.reset(), r.seconds = {}, r.done.clear(), r.skipped.clear();
           records.push_back(r);
         }
   }
@@ -115,16 +117,16 @@ inline void write_images(const std::filesystem::path& folder, std::vector<Record
     write_exr((folder / "images" / name).string(), image);
     return "images/" + name;
   };
-  const std::string reference = write("reference.exr", ball_image(side, 0));
+  const std::string reference = write("reference.exr", ball_image(side, 0)),
+                    bound = write("reference-bound.exr", ball_image(side, 0, 1e-3)),
+                    truth = write("truth.exr", ball_image(side, 0.02)),
+                    variance = write("truth-variance.exr", ball_image(side, 0, 1e-4));
   for (std::size_t i = 0; i < std::min(options.pictured, records.size()); ++i) {
     Record& r = records[i];
     if (r.status != CellStatus::done) continue;
     const double error = r.error.at("relative_rmse");
     r.images = {{"render", write(r.cell + ".exr", ball_image(side, 1.4 * error))}, {"reference", reference}};
-    if (r.technique == "hierarchical")
-      r.images["bound"] = write("bound_" + r.cell + ".exr", ball_image(side, 0, 2 * error));
-    if (r.technique == "brute_force")
-      r.images["variance"] = write("variance_" + r.cell + ".exr", ball_image(side, 0, error * error));
+    r.images["bound"] = bound, r.images["truth"] = truth, r.images["variance"] = variance;
   }
 }
 
@@ -135,8 +137,9 @@ inline const char* made_up_stress = R"({"count": 1000, "points": 100, "seed": 1,
    "negative": 0, "not_monotone": 0, "passed": false, "worst_ulp_per_condition": {"value": 9.5, "condition": 2, "at": [20]}, "worst_ulp": {"value": null, "condition": 2, "at": [20]}}]})";
 
 inline const char* made_up_gates =
-    R"({"gates": [{"name": "error of hierarchical", "value": 0.0008, "limit": 0.001, "passed": true},
-  {"name": "GPU <over> CPU", "value": 3.5, "limit": 2, "passed": false, "reason": "too slow"}]})";
+    R"({"gates": [{"name": "error of hierarchical", "outcome": "passed", "value": 0.0008, "max": 0.001, "where": "scene_1", "message": ""},
+  {"name": "GPU <over> CPU", "outcome": "failed", "value": 3.5, "max": 2, "where": "scene_1", "message": "too slow"},
+  {"name": "an external one", "outcome": "skipped", "value": null, "min": 2, "where": "", "message": "not applicable everywhere"}]})";
 
 inline const char* made_up_fit =
     R"({"format": "opaline-fit", "version": 1, "model": "standard_dipole", "starts": 2, "iterations": 12, "converged": true,
