@@ -31,9 +31,10 @@ void add_commands(CLI::App& app) {
   add_stress_command(app);
   add_transport_command(app);
   add_dataset_command(app, shapes);
-  add_render_command(app, shapes);
+  add_render_command(app, shapes, choose_from_records);
   add_fit_command(app, shapes);
   add_compare_command(app);
+  add_validate_command(app, shapes);
   add_report_command(app);
 }
 

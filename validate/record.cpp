@@ -201,6 +201,9 @@ Json to_json(const Record& r) {
                {"technique", r.technique},
                {"backend", r.backend},
                {"settings", r.settings},
+               {"film_pixels", r.film_pixels},
+               {"samples", r.samples},
+               {"light_samples", r.light_samples},
                {"status", status_name(r.status)},
                {"reason", r.reason}};
   json["seconds"] = to_json(r.seconds);
@@ -227,6 +230,9 @@ Record record_from_json(const json& document, const std::string& file, const std
   in.read("technique", r.technique);
   in.read("backend", r.backend);
   in.read("settings", r.settings);
+  in.read("film_pixels", r.film_pixels);
+  in.read("samples", r.samples);
+  in.read("light_samples", r.light_samples);
   r.status = read_status(in);
   in.read("reason", r.reason);
   r.seconds = read_seconds(in.member("seconds"));

@@ -68,7 +68,9 @@ enum class CellStatus { done, not_applicable, failed };
 struct Record {
   std::string cell;  ///< hash of everything that determines the cell: scene, technique, settings, program
   std::string suite, scene, material, technique, backend;
-  std::map<std::string, std::string> settings;  ///< those the sweep set; defaults are not repeated
+  std::map<std::string, std::string> settings;   ///< those the sweep set; defaults are not repeated
+  std::uint64_t film_pixels = 0;                 ///< width * height
+  std::uint64_t samples = 0, light_samples = 0;  ///< surface cells; directions of each towards extended lights
   CellStatus status = CellStatus::done;
   std::string reason;  ///< of a cell that is not applicable or failed
   RecordSeconds seconds;
