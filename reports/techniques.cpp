@@ -16,6 +16,13 @@ std::vector<std::string> shown_techniques(const std::vector<Record>& records) {
   return names;
 }
 
+std::vector<std::string> shown_backends(const std::vector<Record>& records) {
+  std::vector<std::string> names = {"cpu", "gpu"};
+  for (const Record& r : records)
+    if (std::find(names.begin(), names.end(), r.backend) == names.end()) names.push_back(r.backend);
+  return names;
+}
+
 const Technique* registered_technique(const std::string& name) {
   for (const Technique& t : techniques())
     if (t.name == name) return &t;
@@ -24,6 +31,8 @@ const Technique* registered_technique(const std::string& name) {
 
 std::string absence_reason(const std::string& technique, const std::string& backend) {
   const Technique* t = registered_technique(technique);
+  if (t == nullptr && backend != "external") return "an external command: it has no backends";
+  if (t != nullptr && backend == "external") return "built in";
   if (t != nullptr && std::find(t->backends.begin(), t->backends.end(), backend) == t->backends.end())
     return "the technique has no " + backend + " backend";
   return "not part of this run";

@@ -13,10 +13,13 @@ struct Technique;
 /// Registered techniques first, in their order, then others (external ones) in the order of their first record.
 std::vector<std::string> shown_techniques(const std::vector<Record>& records);
 
+/// "cpu", "gpu", and what else records have: "external".
+std::vector<std::string> shown_backends(const std::vector<Record>& records);
+
 /// The registered technique of that name, or null.
 const Technique* registered_technique(const std::string& name);
 
-/// Why there may be no record of it: it has no such backend, or it wasn't part of the run.
+/// Why there may be no record of it: it has no such backend, is built in or external, or wasn't part of the run.
 std::string absence_reason(const std::string& technique, const std::string& backend);
 
 /// A setting's value in a record: what the sweep set, else the technique's default, else empty.

@@ -50,7 +50,7 @@
     let shown = [];  // points of the plot, fastest first: {point, x, y, curve, index}
     let at = -1;
 
-    const axes = ["frame", "prepare + frame"];
+    const axes = ["frame", "prepare + frame", "irradiance + prepare + frame"];
     const metricTitle = (name) => name.startsWith("truth:") ? `${name.slice(6)} against truth` : name;
     const redraw = () => { at = -1; if (!waiting.has(div)) show(); };
     const scene = select("Scene", data.groups, redraw, "plot-scene");
@@ -73,7 +73,7 @@
     toggles("technique-toggles", "technique", data.techniques);
     toggles("backend-toggles", "backend", [...new Set(data.points.map((p) => p.backend))].sort());
 
-    const x = (p) => p.render + (timing.list.selectedIndex === 1 ? p.prepare : 0);
+    const x = (p) => p.render + (timing.list.selectedIndex > 0 ? p.prepare : 0) + (timing.list.selectedIndex > 1 ? p.irradiance : 0);
     const y = (p) => p.errors[metric.list.selectedIndex];
     const wanted = () => data.points.filter((p) => p.group === scene.list.selectedIndex && !hidden.technique.has(p.technique) &&
       !hidden.backend.has(p.backend) && x(p) > 0 && y(p) !== null);
@@ -103,7 +103,7 @@
           if (!mine.length) continue;
           mine.forEach((p, index) => shown.push({ p, curve: traces.length, index }));
           traces.push({
-            type: "scatter", mode: "markers", name: `${technique}, ${backend}`, x: mine.map(x), y: mine.map(height), customdata: mine.map((p) => p.id),
+            type: "scatter", mode: "markers", name: `${technique}, ${mine[0].backend}`, x: mine.map(x), y: mine.map(height), customdata: mine.map((p) => p.id),
             text: mine.map((p) => escape(label(p)).replace(": ", "<br>")), hovertemplate: "%{text}<extra></extra>",
             marker: { size: 10, color: l.series[i % l.series.length], symbol: symbols[i % symbols.length] + (backend === "gpu" ? "-open" : ""), line: { width: backend === "gpu" ? 2 : 1 } },
           });

@@ -49,6 +49,7 @@ Json point(const Record& r, std::size_t group, bool on_front, const std::vector<
           {"settings", settings_text(r)},
           {"render", r.seconds.render.median},
           {"prepare", r.seconds.prepare.median},
+          {"irradiance", r.seconds.irradiance},
           {"front", on_front},
           {"errors", errors(r, metrics)}};
 }

@@ -52,14 +52,18 @@ Blocks write(const ReportData& data) {
   if (data.records.empty()) return {Paragraph{"There are no records.", Tone::muted}};
   const auto groups = scene_groups(data.records);
   const auto techniques = shown_techniques(data.records);
+  const auto backends = shown_backends(data.records);
   Table table{"Relative RMS error and time of a frame at the most accurate settings",
-              {"scene, material", "technique", "cpu", "gpu"},
+              {"scene, material", "technique"},
               {},
               groups.size() * techniques.size() > 30};
+  table.header.insert(table.header.end(), backends.begin(), backends.end());
   for (const SceneGroup& group : groups)
-    for (const std::string& technique : techniques)
-      table.rows.push_back(
-          {group.title(), technique, matrix_cell(group, technique, "cpu"), matrix_cell(group, technique, "gpu")});
+    for (const std::string& technique : techniques) {
+      std::vector<TableCell> row = {group.title(), technique};
+      for (const std::string& backend : backends) row.push_back(matrix_cell(group, technique, backend));
+      table.rows.push_back(row);
+    }
   return {Paragraph{"Every technique on every scene and backend. A cell without numbers says why."}, table};
 }
 

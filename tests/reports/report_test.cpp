@@ -81,6 +81,16 @@ TEST_F(Report, SaysWhatFailedAndWhatIsNotApplicable) {
   EXPECT_THAT(markdown, HasSubstr("the technique has no gpu backend")) << "path\\_traced, not in the records";
 }
 
+TEST_F(Report, ExternalTechniquesHaveAColumnOfTheirOwn) {
+  ReportData data = read({.records = 24, .extras = false});
+  for (Record& r : data.records)
+    if (r.technique == "external_renderer" && r.backend == "cpu") r.backend = "external";
+  const std::string markdown = text(data);
+  EXPECT_THAT(markdown, HasSubstr("| scene, material | technique | cpu | gpu | external |"));
+  EXPECT_THAT(markdown, HasSubstr("an external command: it has no backends"));
+  EXPECT_THAT(markdown, HasSubstr("| built in |"));
+}
+
 TEST_F(Report, ComparesProcessorsAndCountsSkips) {
   const std::string markdown = text(read());
   EXPECT_THAT(markdown, HasSubstr("| hierarchical | 9 | 0.625 | 0.625 to 0.625 | software renderer |"))
