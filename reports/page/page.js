@@ -42,8 +42,8 @@ const opaline = (() => {
     if (link && link.hash === location.hash) reveal();
   });
 
-  // On paper folded tables are open, but for those of many pages.
-  const longest = 150;
+  // On paper folded tables are open, but for the longest.
+  const longest = 60;
   let opened = [];
   addEventListener("beforeprint", () => {
     printing = true;

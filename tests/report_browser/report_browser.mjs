@@ -194,9 +194,13 @@ async function testLooks(browser, url) {
 
 async function testPrint(browser, url) {
   const page = await openPage(browser, url, { colorScheme: "dark" });
+  await page.emulateMedia({ media: "print" });
+  const cut = await page.evaluate(() => [...document.querySelectorAll(".scroll")].filter((e) => getComputedStyle(e).maxHeight !== "none").length);
+  check(cut === 0, "no table is cut on paper");
+  await page.emulateMedia({ media: null });
   const pdf = await page.pdf({ path: join(out, "print.pdf"), format: "A4", margin: { top: "12mm", bottom: "12mm", left: "10mm", right: "10mm" } });
   const pages = pdf.toString("latin1").match(/\/Type\s*\/Page\b/g)?.length ?? 0;
-  check(pages >= 4 && pages <= 40, `printed on ${pages} pages`);
+  check(pages >= 4 && pages <= 20, `printed on ${pages} pages`);
   check(await page.evaluate(() => document.querySelectorAll("#error-plot .scatterlayer .points path").length) === 19, "plots are drawn on paper, unseen before");
   check(page.wrong.length === 0, `print: no error ${page.wrong.join("; ")}`);
   await page.context().close();
