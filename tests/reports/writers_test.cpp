@@ -35,8 +35,8 @@ TEST(Html, EveryCellIsEscapedAndTheFirstNamesItsRow) {
   TableCell linked("<t>");
   linked.link = "a\"b";
   const std::string text =
-      html(Table{"<caption>", {"<h>", "n"}, {{"<r>", number_cell("<1>")}, {linked, reason_cell("")}}, false});
-  for (const char* raw : {"<caption><", "<h>", "<r>", "<1>", "<t>", "a\"b"}) EXPECT_THAT(text, Not(HasSubstr(raw)));
+      html(Table{"<title>", {"<h>", "n"}, {{"<r>", number_cell("<1>")}, {linked, reason_cell("")}}, false});
+  for (const char* raw : {"<title>", "<h>", "<r>", "<1>", "<t>", "a\"b"}) EXPECT_THAT(text, Not(HasSubstr(raw)));
   EXPECT_THAT(text, HasSubstr("<th scope=\"row\">&lt;r&gt;</th><td class=\"n\">&lt;1&gt;</td>"));
   EXPECT_THAT(text, HasSubstr("no reason was recorded")) << "a cell is never empty";
 }
