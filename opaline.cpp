@@ -8,6 +8,8 @@
 #include "render/cmd/exit_status.h"
 #include "render/input_error.h"
 #include "render/render_scene.h"
+#include "reports/cmd/commands.h"
+#include "validate/cmd/commands.h"
 
 #include <CLI/CLI.hpp>
 
@@ -29,9 +31,11 @@ void add_commands(CLI::App& app) {
   add_stress_command(app);
   add_transport_command(app);
   add_dataset_command(app, shapes);
-  add_render_command(app, shapes);
+  add_render_command(app, shapes, choose_from_records);
   add_fit_command(app, shapes);
   add_compare_command(app);
+  add_validate_command(app, shapes);
+  add_report_command(app);
 }
 
 /// CLI11 would call a misspelt command an unexpected argument.

@@ -19,7 +19,7 @@ foreach(header IN LISTS headers)
   install(FILES ${header} DESTINATION include/opaline/${folder})
 endforeach()
 
-install(FILES render/scene/scene.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/opaline)
+install(FILES render/scene/scene.schema.json validate/suites/suite.schema.json DESTINATION ${CMAKE_INSTALL_DATADIR}/opaline)
 install(FILES LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 
 install(EXPORT opalineTargets NAMESPACE opaline:: DESTINATION ${OPALINE_PACKAGE_DIR})

@@ -1,17 +1,15 @@
-// `opaline render` and `opaline compare`. Wrong values throw std::invalid_argument or InputError, a
-// comparison beyond its limits throws CommandFailed (exit_status.h).
+// `opaline render`. Wrong values throw std::invalid_argument or InputError.
 #pragma once
 
+#include "render/cmd/chooser.h"
 #include "render/scene/shapes.h"
 
 #include <CLI/CLI.hpp>
 
 namespace opaline {
 
-/// Adds `render`: one image of a scene by one technique. The shapes must outlive the app.
-void add_render_command(CLI::App& app, const ShapeLibrary& shapes);
-
-/// Adds `compare`: error metrics of an image against a reference.
-void add_compare_command(CLI::App& app);
+/// Adds `render`: one image of a scene by one technique. The shapes must outlive the app. With a chooser, the technique
+/// may be left to it (--max-error, --budget).
+void add_render_command(CLI::App& app, const ShapeLibrary& shapes, const TechniqueChooser& chooser = {});
 
 }  // namespace opaline

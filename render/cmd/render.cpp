@@ -1,3 +1,4 @@
+#include "render/cmd/choose.h"
 #include "render/cmd/commands.h"
 #include "render/cmd/render_arguments.h"
 #include "render/cmd/render_stats.h"
@@ -19,17 +20,20 @@ struct Arguments {
   std::vector<std::string> settings;
   RenderOptions render{.technique = "", .backend = {}, .gl = {}, .settings = {}, .shared = {}, .exit_lobe = {}};
   int threads = 0;
+  ChoiceRequest choice;  ///< instead of a technique
 };
 
 void check(const Arguments& a) {
   if (a.scene.empty()) throw std::invalid_argument("SCENE: name the scene file to render");
-  if (a.render.technique.empty())
-    throw std::invalid_argument("--technique: name one; `opaline render --list` shows them");
+  if (asks_for_choice(a.choice)) check_choice_request(a.choice, a.render);
+  if (a.render.technique.empty() && !asks_for_choice(a.choice))
+    throw std::invalid_argument(
+        "--technique: name one; `opaline render --list` shows them. Or give --max-error or --budget");
   if (a.out.empty()) throw std::invalid_argument("--out: name the image to write, as image.exr");
   check_output_path(a.out, ".exr");
   check_output_path(a.png, ".png");
   check_output_path(a.stats, ".json");
-  check_render_options(a.render);
+  if (!asks_for_choice(a.choice)) check_render_options(a.render);
 }
 
 void warn_if_empty(const Image& image) {
@@ -38,7 +42,7 @@ void warn_if_empty(const Image& image) {
   fmt::print(stderr, "opaline: warning: the camera sees no object; the image is empty\n");
 }
 
-void run(Arguments& a, const ShapeLibrary& shapes) {
+void run(Arguments& a, const ShapeLibrary& shapes, const TechniqueChooser& chooser) {
   a.render.settings = parse_assignments(a.settings);
   a.render.exit_lobe = a.exit_lobe == "jensen" ? ExitLobe::jensen : ExitLobe::normalised;
   check(a);
@@ -47,6 +51,7 @@ void run(Arguments& a, const ShapeLibrary& shapes) {
   Stopwatch watch, whole;
   progress.show("load");
   const Scene scene = load_scene(a.scene, shapes);
+  if (asks_for_choice(a.choice)) choose_technique(scene, a.choice, chooser, a.render);
   const double load = watch.lap();
   const RenderResult result = render_scene(scene, a.render, [&](const std::string& stage) { progress.show(stage); });
   warn_if_empty(result.image);
@@ -63,7 +68,7 @@ void print_list(std::int64_t) {
 
 }  // namespace
 
-void add_render_command(CLI::App& app, const ShapeLibrary& shapes) {
+void add_render_command(CLI::App& app, const ShapeLibrary& shapes, const TechniqueChooser& chooser) {
   const auto a = std::make_shared<Arguments>();
   CLI::App* render = app.add_subcommand("render", "One image of a scene by one technique");
   render->add_option("SCENE", a->scene, "Scene file (JSON)");
@@ -94,7 +99,8 @@ void add_render_command(CLI::App& app, const ShapeLibrary& shapes) {
   add_threads_option(*render, a->threads);
   render->add_flag("--list", print_list, "Show every technique with its settings")->trigger_on_parse();
   render->footer("Example: opaline render scene.json --technique hierarchical --out image.exr --png image.png");
-  render->callback([a, &shapes] { run(*a, shapes); });
+  if (chooser) add_choice_options(*render, a->choice);
+  render->callback([a, chooser, &shapes] { run(*a, shapes, chooser); });
 }
 
 }  // namespace opaline

@@ -1,10 +1,6 @@
 #include "render/cmd/render_stats.h"
 
-#include "model/simd.h"
-
-#include <sys/resource.h>
-
-#include <fstream>
+#include "render/machine.h"
 
 namespace opaline {
 namespace {
@@ -28,15 +24,6 @@ Json settings_json(const RenderOptions& options, const RenderResult& result) {
   return json;
 }
 
-std::string processor_model() {
-  std::ifstream info("/proc/cpuinfo");
-  for (std::string line; std::getline(info, line);) {
-    const std::size_t colon = line.find(": ");
-    if (line.rfind("model name", 0) == 0 && colon != std::string::npos) return line.substr(colon + 2);
-  }
-  return "unknown processor";
-}
-
 }  // namespace
 
 Json render_stats(const RenderOptions& options, const RenderResult& result, double load, double total) {
@@ -55,14 +42,6 @@ Json render_stats(const RenderOptions& options, const RenderResult& result, doub
           {"estimates", result.estimates},
           {"peak_rss_bytes", peak_rss_bytes()},
           {"settings", settings_json(options, result)}};
-}
-
-std::string cpu_device() { return processor_model() + ", " + simd_target(); }
-
-std::uint64_t peak_rss_bytes() {
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
 }  // namespace opaline

@@ -5,9 +5,6 @@
 
 #include <nlohmann/json.hpp>
 
-#include <cstdint>
-#include <string>
-
 namespace opaline {
 
 /// {"technique", "backend", "device", "seconds": {"load", "gbuffer", "irradiance", "prepare",
@@ -16,11 +13,5 @@ namespace opaline {
 /// load, total: wall-clock seconds of reading the scene and of everything up to the written images.
 nlohmann::ordered_json render_stats(const RenderOptions& options, const RenderResult& result, double load,
                                     double total);
-
-/// Processor model and the vector instructions in use: "Some CPU @ 2.70GHz, AVX3".
-std::string cpu_device();
-
-/// Largest resident size of this process so far.
-std::uint64_t peak_rss_bytes();
 
 }  // namespace opaline

@@ -24,10 +24,17 @@ SharedScene::SharedScene(const Scene& s, const SharedSettings& shared, bool with
     counters.skipped["surface_cells"] += settings.samples;
     return;
   }
+  make_irradiance();
+  seconds.irradiance = watch.lap();
+}
+
+SharedScene::SharedScene(const Scene& s, const SharedSettings& shared, SharedParts parts)
+    : SharedParts(std::move(parts)), scene(s), settings(shared), rays(s) {}
+
+void SharedScene::make_irradiance() {
   cells =
       refine_at_light_edges(scene, rays, make_surface_cells(scene, settings.samples), settings.irradiance, counters);
   irradiance = compute_irradiance(scene, rays, cells, material_etas(scene), settings.irradiance, counters, true);
-  seconds.irradiance = watch.lap();
   for (const SurfaceCells& c : cells) counters.done["surface_cells"] += c.size();
 }
 

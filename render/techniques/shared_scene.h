@@ -18,18 +18,27 @@ struct SharedSeconds {
   double gbuffer = 0, irradiance = 0;
 };
 
-/// The scene must outlive it.
-struct SharedScene {
-  const Scene& scene;
-  SharedSettings settings;
-  RayScene rays;
+/// What of a SharedScene can be kept in a file: all but the ray-tracing structure.
+struct SharedParts {
   GBuffer view;
   std::vector<SurfaceCells> cells;          ///< per object; empty without irradiance
   std::vector<IrradianceField> irradiance;  ///< per object, for its material's eta
   Counters counters;
   SharedSeconds seconds;
+};
+
+/// The scene must outlive it.
+struct SharedScene : SharedParts {
+  const Scene& scene;
+  SharedSettings settings;
+  RayScene rays;
 
   SharedScene(const Scene& scene, const SharedSettings& settings, bool with_irradiance = true);
+  /// With parts that were made of the same scene with the same settings.
+  SharedScene(const Scene& scene, const SharedSettings& settings, SharedParts parts);
+
+  /// Cells and irradiance anew, after the scene's lights were edited.
+  void make_irradiance();
 };
 
 /// Positions of the visible points of one object, and their places in the view.

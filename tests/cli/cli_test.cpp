@@ -74,7 +74,7 @@ TEST_F(Cli, HelpOfEveryCommandHasAnExample) {
   std::map<std::string, std::future<Ending>> endings;  // starting up takes longest: side by side
   for (const std::string command : {"profile", "profile list", "material", "material list", "material show", "dataset",
                                     "dataset list", "dataset make", "render", "compare", "fit", "transport",
-                                    "transport walk", "transport table", "transport errors"})
+                                    "transport walk", "transport table", "transport errors", "report"})
     endings[command] = std::async(std::launch::async, [this, command] { return run(command + " --help"); });
   for (auto& [command, ending] : endings) {
     SCOPED_TRACE(command);
@@ -238,6 +238,13 @@ TEST_F(Cli, ComparesAndFailsTheGate) {
   EXPECT_NEAR(metrics.at("mean_error").get<double>(), 0.1, 1e-6);
   EXPECT_NEAR(metrics.at("max").get<double>(), 0.3, 1e-6);
   EXPECT_NEAR(metrics.at("per_channel").at("R").at("relative_rmse").get<double>(), 0.3, 1e-6);
+  // sum(i r) / sum(i^2) of values 1.3, 1, 1.
+  EXPECT_NEAR(metrics.at("scale_factor").get<double>(), 3.3 / 3.69, 1e-6);
+  EXPECT_GT(metrics.at("flip"), 0);
+  EXPECT_EQ(run("compare img.exr ref.exr --max flip=0.9 --max mean_error=0.2 --min psnr=10").status, 0);
+  const Ending both = run("compare img.exr ref.exr --max max=0.2 --min psnr=40");
+  EXPECT_EQ(both.status, 1);
+  EXPECT_THAT(both.err, AllOf(HasSubstr("max 0.3"), HasSubstr("psnr"), HasSubstr("below the limit 40")));
   const Ending failed = run("compare img.exr ref.exr --max-relative-rmse 0.1 --error-image e.exr");
   EXPECT_EQ(failed.status, 1);
   EXPECT_THAT(failed.err, AllOf(HasSubstr("relative_rmse"), HasSubstr("0.1")));
@@ -251,6 +258,9 @@ TEST_F(Cli, RefusesToCompareWhatCannotBe) {
   small.at(1, 0, 2) = std::nanf("");
   write_exr(folder_.file("nan.exr"), small);
   expect_wrong("compare small.exr large.exr", {"2 x 2", "3 x 2"});
+  expect_wrong("compare small.exr small.exr --max flop=1", {"--max", "flop", "flip"});
+  expect_wrong("compare small.exr small.exr --min psnr", {"--min", "psnr", "METRIC=NUMBER"});
+  expect_wrong("compare small.exr small.exr --min psnr=high", {"--min", "high"});
   expect_wrong("compare small.exr nan.exr", {"nan.exr", "pixel (1, 0)"});
 }
 

@@ -1,9 +1,9 @@
 #include "datasets_synthetic/dataset.h"
 
 #include "model/materials/library.h"
-#include "render/image_difference.h"
 #include "render/scene/scene.h"
 #include "tests/render/scene_fixture.h"
+#include "validate/metrics/metric.h"
 
 #include <gmock/gmock.h>
 #include <tbb/global_control.h>
@@ -130,13 +130,14 @@ TEST(Dataset, TruthIsTheMaterialAndTheNoise) {
   EXPECT_EQ(d.truth.at("parameters").at("sigma_a_per_mm"), json(skin.sigma_a));
   EXPECT_EQ(d.truth.at("parameters").at("sigma_s_prime_per_mm"), json(skin.sigma_s_prime));
   EXPECT_EQ(d.truth.at("parameters").at("eta"), skin.eta);
-  const ImageDifference difference = compare_images(d.target, d.clean);
-  EXPECT_GT(difference.pixels, 100u);
+  const Comparison difference = compare_images(d.target, d.clean);
+  EXPECT_GT(difference.pixels.size(), 100u);
   for (std::size_t c = 0; c < 3; ++c) {
     // The sample deviation of n values scatters by 1 / sqrt(2 n).
-    const double scatter = 1 / std::sqrt(2.0 * static_cast<double>(difference.pixels));
-    EXPECT_NEAR(difference.channel[c].rmse / d.truth.at("noise_sd")[c].get<double>(), 1, 5 * scatter);
-    EXPECT_NEAR(difference.channel[c].relative_rmse, 0.05, 0.05 * 5 * scatter);
+    const double scatter = 1 / std::sqrt(2.0 * static_cast<double>(difference.pixels.size()));
+    EXPECT_NEAR(find_metric("rmse", "test").evaluate(difference.channel(c)) / d.truth.at("noise_sd")[c].get<double>(),
+                1, 5 * scatter);
+    EXPECT_NEAR(find_metric("relative_rmse", "test").evaluate(difference.channel(c)), 0.05, 0.05 * 5 * scatter);
   }
 }
 

@@ -1,4 +1,4 @@
-#include "render/image_difference.h"
+#include "validate/metrics/comparison.h"
 
 #include "render/choices.h"
 #include "render/input_error.h"
@@ -7,44 +7,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace opaline {
 namespace {
 
-/// Sums over compared values, from which the metrics follow.
-struct Sums {
-  double count = 0, error = 0, squared_error = 0, squared_reference = 0, max = 0;
-
-  void add(double value, double reference) {
-    const double d = value - reference;
-    count += 1;
-    error += d;
-    squared_error += d * d;
-    squared_reference += reference * reference;
-    max = std::max(max, std::abs(d));
-  }
-  Sums& operator+=(const Sums& o) {
-    count += o.count;
-    error += o.error;
-    squared_error += o.squared_error;
-    squared_reference += o.squared_reference;
-    max = std::max(max, o.max);
-    return *this;
-  }
-  DifferenceMetrics metrics() const {
-    const double rmse = std::sqrt(squared_error / count), rms = std::sqrt(squared_reference / count);
-    const double infinite = std::numeric_limits<double>::infinity();
-    return {rmse, rms > 0 ? rmse / rms : (rmse > 0 ? infinite : 0.0), error / count, max};
-  }
-};
-
-/// What is compared: channel indices of both images, and the pixels.
-struct Comparison {
-  std::vector<std::string> names;
+/// Indices of the compared channels, and of A, in both images.
+struct Channels {
   std::vector<int> image, reference;
-  std::vector<std::size_t> pixels;
-  std::size_t coverage_mismatches = 0;
 };
 
 float value_at(const Image& image, std::size_t pixel, int channel) {
@@ -97,9 +66,10 @@ std::vector<int> with_alpha(std::vector<int> channels, const Image& image) {
   return channels;
 }
 
-void choose_pixels(const Image& image, const Image& reference, const Image* mask, Comparison& comparison) {
-  const std::vector<int> image_finite = with_alpha(comparison.image, image);
-  const std::vector<int> reference_finite = with_alpha(comparison.reference, reference);
+void choose_pixels(const Image& image, const Image& reference, const Image* mask, const Channels& channels,
+                   Comparison& comparison) {
+  const std::vector<int> image_finite = with_alpha(channels.image, image);
+  const std::vector<int> reference_finite = with_alpha(channels.reference, reference);
   const int image_alpha = image.channel("A"), reference_alpha = reference.channel("A");
   for (std::size_t p = 0; p < reference.pixel_count(); ++p) {
     if (mask) check_finite(*mask, p, {0}, "mask");
@@ -113,52 +83,52 @@ void choose_pixels(const Image& image, const Image& reference, const Image* mask
   }
   if (comparison.pixels.empty())
     throw InputError("reference", "", "has no pixel to compare: its alpha (or the mask) is 0 everywhere");
+  comparison.pixels_left_out = reference.pixel_count() - comparison.pixels.size();
 }
 
-Comparison make_comparison(const Image& image, const Image& reference, const Image* mask) {
-  check_size(image, reference, "image");
-  if (mask) check_size(*mask, reference, "mask");
-  Comparison comparison;
-  comparison.names = compared_channels(reference);
-  comparison.image = channel_indices(image, comparison.names);
-  comparison.reference = channel_indices(reference, comparison.names);
-  choose_pixels(image, reference, mask, comparison);
-  return comparison;
+std::vector<std::vector<float>> planes(const Image& image, const std::vector<int>& channels,
+                                       const std::vector<std::size_t>& pixels) {
+  std::vector<std::vector<float>> result;
+  for (const int channel : channels) {
+    std::vector<float>& plane = result.emplace_back(image.pixel_count(), 0.0f);
+    for (const std::size_t p : pixels) plane[p] = value_at(image, p, channel);
+  }
+  return result;
 }
 
 }  // namespace
 
-ImageDifference compare_images(const Image& image, const Image& reference, const Image* mask) {
-  const Comparison comparison = make_comparison(image, reference, mask);
-  ImageDifference difference;
-  Sums all;
-  for (std::size_t k = 0; k < comparison.names.size(); ++k) {
-    Sums sums;
-    for (const std::size_t p : comparison.pixels) {
-      sums.add(static_cast<double>(value_at(image, p, comparison.image[k])),
-               static_cast<double>(value_at(reference, p, comparison.reference[k])));
-    }
-    difference.channel.push_back(sums.metrics());
-    all += sums;
-  }
-  difference.overall = all.metrics();
-  difference.channels = comparison.names;
-  difference.pixels = comparison.pixels.size();
-  difference.pixels_left_out = reference.pixel_count() - comparison.pixels.size();
-  difference.coverage_mismatches = comparison.coverage_mismatches;
-  return difference;
+Comparison Comparison::channel(std::size_t index) const {
+  Comparison one = *this;
+  one.channels = {channels[index]};
+  one.image = {image[index]};
+  one.reference = {reference[index]};
+  return one;
 }
 
-Image difference_image(const Image& image, const Image& reference, const Image* mask) {
-  const Comparison comparison = make_comparison(image, reference, mask);
-  std::vector<std::string> names = comparison.names;
+Comparison compare_images(const Image& image, const Image& reference, const Image* mask) {
+  check_size(image, reference, "image");
+  if (mask) check_size(*mask, reference, "mask");
+  Comparison comparison;
+  comparison.width = reference.width;
+  comparison.height = reference.height;
+  comparison.channels = compared_channels(reference);
+  const Channels channels{channel_indices(image, comparison.channels), channel_indices(reference, comparison.channels)};
+  choose_pixels(image, reference, mask, channels, comparison);
+  comparison.image = planes(image, channels.image, comparison.pixels);
+  comparison.reference = planes(reference, channels.reference, comparison.pixels);
+  return comparison;
+}
+
+Image difference_image(const Comparison& comparison) {
+  std::vector<std::string> names = comparison.channels;
   names.push_back("A");
-  Image result(reference.width, reference.height, names);
+  Image result(comparison.width, comparison.height, names);
   for (const std::size_t p : comparison.pixels) {
     float* out = &result.data[p * names.size()];
-    for (std::size_t k = 0; k < comparison.names.size(); ++k)
-      out[k] = value_at(image, p, comparison.image[k]) - value_at(reference, p, comparison.reference[k]);
-    out[comparison.names.size()] = 1;
+    for (std::size_t k = 0; k < comparison.channels.size(); ++k)
+      out[k] = comparison.image[k][p] - comparison.reference[k][p];
+    out[comparison.channels.size()] = 1;
   }
   return result;
 }

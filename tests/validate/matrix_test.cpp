@@ -1,0 +1,156 @@
+// Running a suite: what a record holds, what is not measured twice, and what happens to cells that can't be done.
+#include "validate/matrix.h"
+
+#include "tests/validate/validate_fixture.h"
+#include "validate/metrics/metric.h"
+#include "validate/shared_file.h"
+
+#include <gmock/gmock.h>
+
+namespace opaline {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::HasSubstr;
+
+TEST(Matrix, ARecordHoldsTimesErrorsImagesAndWhereItCameFrom) {
+  test::TempFolder folder;
+  json suite = test::tiny_suite();
+  suite["edits"] = {"camera", "light", "material", "geometry"};
+  suite["truth"] = {{"paths", 2}, {"scenes", {"front"}}};
+  const RunSummary summary = test::run_tiny(folder, suite);
+  ASSERT_EQ(summary.records.size(), 9u);
+  EXPECT_EQ(summary.measured, 9u);
+  for (const Record& r : summary.records) {
+    SCOPED_TRACE(r.name());
+    ASSERT_EQ(r.status, CellStatus::done) << r.reason;
+    EXPECT_GT(r.seconds.render.median, 0);
+    EXPECT_GE(r.seconds.render.runs, 2);
+    EXPECT_LE(r.seconds.render.min, r.seconds.render.median);
+    EXPECT_EQ(r.error.size(), metrics().size());
+    EXPECT_LT(r.error.at("relative_rmse"), r.settings.count("max_relative_error") ? 0.1 : 1e-3);
+    EXPECT_EQ(r.truth_error.has_value(), r.scene == "front");
+    EXPECT_GT(r.reference.certified_max, 0);
+    EXPECT_EQ(r.film_pixels, 144u);
+    EXPECT_GT(r.peak_rss_bytes, 1000000u);
+    EXPECT_GT(r.done.at("surface_cells"), 0u);
+    for (const char* edit : {"camera", "light", "material", "geometry"}) {
+      const EditCost& cost = r.seconds.edits.at(edit);
+      EXPECT_GT(cost.render, 0) << edit;
+      EXPECT_NEAR(cost.total, cost.shared + cost.prepare + cost.render, 1e-12);
+    }
+    EXPECT_EQ(r.seconds.edits.at("camera").prepare, 0) << "what was prepared survives";
+    EXPECT_GT(r.seconds.edits.at("light").prepare, 0);
+    for (const auto& [what, file] : r.images)
+      EXPECT_TRUE(fs::exists(folder.file("out/" + file))) << what << " " << file;
+    EXPECT_THAT(r.command, HasSubstr("opaline render scenes/" + r.scene + "_" + r.material + ".json"));
+    EXPECT_TRUE(fs::exists(folder.file("out/scenes/" + r.scene + "_" + r.material + ".json")));
+  }
+  EXPECT_EQ(read_records(folder.file("out/records.jsonl")).records.size(), 9u);
+}
+
+TEST(Matrix, AnEditLeavesNoTrace) {
+  test::TempFolder plain, edited;
+  json suite = test::tiny_suite();
+  const RunSummary before = test::run_tiny(plain, suite);
+  suite["edits"] = {"geometry", "camera", "light", "material"};
+  const RunSummary after = test::run_tiny(edited, suite);
+  for (std::size_t i = 0; i < before.records.size(); ++i) {
+    EXPECT_EQ(before.records[i].error, after.records[i].error) << before.records[i].name();
+    EXPECT_EQ(before.records[i].done, after.records[i].done);
+  }
+}
+
+TEST(Matrix, MeasuresNothingAgainUnlessAsked) {
+  test::TempFolder folder;
+  const RunSummary first = test::run_tiny(folder);
+  const RunSummary second = test::run_tiny(folder);
+  EXPECT_EQ(second.measured, 0u);
+  ASSERT_EQ(second.records.size(), first.records.size());
+  for (std::size_t i = 0; i < first.records.size(); ++i)
+    EXPECT_EQ(to_json(second.records[i]), to_json(first.records[i]));
+  json wider = test::tiny_suite();
+  wider["sweeps"]["hierarchical"][0]["max_relative_error"].push_back("1e-2");
+  EXPECT_EQ(test::run_tiny(folder, wider).measured, 3u);
+  EXPECT_EQ(test::run_tiny(folder, test::tiny_suite(), true).measured, 9u);
+  EXPECT_EQ(read_records(folder.file("out/records.jsonl")).records.size(), 12u);
+}
+
+TEST(Matrix, SharedPartsComeFromTheirFileAndADamagedOneIsMadeAgain) {
+  test::TempFolder folder;
+  const RunSummary first = test::run_tiny(folder);
+  std::vector<std::string> parts;
+  for (const auto& entry : fs::directory_iterator(folder.file("out/cache")))
+    if (entry.path().extension() == ".bin") parts.push_back(entry.path().string());
+  ASSERT_EQ(parts.size(), 3u);
+  const std::optional<SceneParts> kept = load_scene_parts(parts[0]);
+  ASSERT_TRUE(kept);
+  EXPECT_EQ(kept->meshes.size(), 1u);
+  EXPECT_GT(kept->shared.view.points.size(), 10u);
+  for (const std::string& file : parts) fs::resize_file(file, fs::file_size(file) - 5);
+  EXPECT_FALSE(load_scene_parts(parts[0]));
+  // From the files, and made anew: the same pixels, so the same errors.
+  for (int round = 0; round < 2; ++round) {
+    const RunSummary again = test::run_tiny(folder, test::tiny_suite(), true);
+    for (std::size_t i = 0; i < first.records.size(); ++i) EXPECT_EQ(again.records[i].error, first.records[i].error);
+  }
+  EXPECT_TRUE(load_scene_parts(parts[0]));
+}
+
+TEST(Matrix, WhatCannotBeDoneHasItsReason) {
+  test::TempFolder folder;
+  json suite = test::tiny_suite();
+  suite["backends"] = {"cpu", "gpu"};
+  suite["techniques"] = {"path_traced", "hierarchical"};
+  suite["sweeps"] = {{"path_traced", {{{"paths", 2}}}}};
+  json open = suite["scenes"][1]["scene"], broken = open;
+  folder.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n");
+  open["objects"] = {{{"mesh", folder.file("open.obj")}, {"material", "m1"}}};
+  broken["objects"] = {{{"mesh", folder.file("none.obj")}, {"material", "m1"}}};
+  suite["scenes"] = {{{"name", "open"}, {"scene", open}}, {{"name", "broken"}, {"scene", broken}}};
+  RunOptions options;
+  options.folder = folder.file("out");
+  options.choice.gl = "egl";
+  const RunSummary summary = run_suite(parse_suite(suite, "s.json"), options, test::test_shapes());
+  ASSERT_EQ(summary.records.size(), 8u);
+  for (const Record& r : summary.records) {
+    SCOPED_TRACE(r.name());
+    if (r.scene == "broken") {
+      EXPECT_EQ(r.status, CellStatus::failed);
+      EXPECT_THAT(r.reason, HasSubstr("none.obj"));
+    } else if (r.technique == "path_traced") {
+      EXPECT_EQ(r.status, CellStatus::not_applicable);
+      EXPECT_THAT(r.reason, HasSubstr(r.backend == "cpu" ? "not closed" : "no gpu backend"));
+      EXPECT_EQ(r.seconds.render.runs, 0);
+    }
+  }
+  // What failed is tried again, what is not applicable isn't.
+  EXPECT_EQ(run_suite(parse_suite(suite, "s.json"), options, test::test_shapes()).measured, 4u);
+}
+
+TEST(Matrix, AnExternalRendererIsJudgedByTheSameReference) {
+  test::TempFolder folder;
+  const RunSummary ours = test::run_tiny(folder);
+  RunOptions options;
+  options.folder = folder.file("out");
+  const std::string render = "cp " + ours.records[0].images.at("render") + " {out}";
+  options.choice.externals = {{"copy", "test -s {scene} && " + render},
+                              {"fails", "echo no licence >&2; exit 7 # {scene} {out}"},
+                              {"lazy", "true {scene} {out}"}};
+  options.choice.scenes = {"front"};
+  options.choice.techniques = {"copy", "fails", "lazy"};
+  const Suite suite = parse_suite(test::tiny_suite(), "tiny.json");
+  const RunSummary summary = run_suite(suite, options, test::test_shapes());
+  ASSERT_EQ(summary.records.size(), 6u);
+  EXPECT_EQ(summary.records[0].status, CellStatus::done) << summary.records[0].reason;
+  EXPECT_EQ(summary.records[0].backend, "external");
+  EXPECT_EQ(summary.records[0].error, ours.records[0].error);
+  EXPECT_GT(summary.records[0].seconds.render.median, 0);
+  EXPECT_EQ(summary.records[1].status, CellStatus::failed);
+  EXPECT_THAT(summary.records[1].reason, testing::AllOf(HasSubstr("exit code 7"), HasSubstr("no licence")));
+  EXPECT_THAT(summary.records[2].reason, HasSubstr("wrote no"));
+}
+
+}  // namespace
+}  // namespace opaline
