@@ -94,6 +94,7 @@ void archive(Archive& a, SceneParts& parts) {
     a.value(field.channels);
     a.value(field.colour);
     a.values(field.values);
+    a.values(field.quarters);
   });
   archive(a, parts.shared.counters);
   a.value(parts.shared.seconds);
