@@ -78,6 +78,7 @@ RenderResult render_scene(const Scene& scene, const RenderOptions& options, cons
   result.seconds.render = watch.lap();
   result.counters = shared.counters;
   result.counters += frame.counters;
+  result.notes = frame.notes;
   result.counters.skipped["zero_area_triangles"] += scene.dropped_triangles;
   return result;
 }

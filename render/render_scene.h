@@ -31,6 +31,7 @@ struct RenderResult {
   std::string device;                   ///< of the gpu backend: its renderer; empty for the processor
   std::map<std::string, std::string> settings;
   Counters counters;
+  std::vector<std::string> notes;  ///< what the technique picked by itself
   RenderSeconds seconds;
 };
 

@@ -52,6 +52,7 @@ Json render_stats(const RenderOptions& options, const RenderResult& result, doub
             {"render", s.render},
             {"total", total}}},
           {"counters", {{"done", result.counters.done}, {"skipped", result.counters.skipped}}},
+          {"notes", result.notes},
           {"peak_rss_bytes", peak_rss_bytes()},
           {"settings", settings_json(options, result)}};
 }

@@ -39,6 +39,7 @@ struct Frame {
   ///   variance  beside radiance: squared standard error of each value [radiance^2]
   ///   bound     no value is further than this from what the technique approximates
   std::map<std::string, std::vector<glm::vec3>> images;
+  std::vector<std::string> notes;  ///< what the technique picked by itself, a sentence each
 };
 
 class PreparedTechnique {
