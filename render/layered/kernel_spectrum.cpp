@@ -15,7 +15,7 @@ namespace {
 struct HankelRule {
   std::vector<double> t, weight;
   HankelRule() {
-    constexpr double step = 0.5;
+    constexpr double step = 0.3;
     for (double u = -30; u < 72; u += step) {
       const double at = std::log1p(std::exp(u)), slope = 1 / (1 + std::exp(-u));
       t.push_back(at);
