@@ -13,7 +13,7 @@ namespace opaline {
 struct LayeredChoice {
   int layers = 1;
   double threshold = 0;
-  std::vector<double> nodes_per_pixel;  ///< per profile: powers of two from 1/4 to 4
+  std::vector<double> nodes_per_pixel;  ///< per profile: powers of two from 1/64 to 4
   std::string note;                     ///< "8 layers, threshold 0.001, resolution 50 %"
 };
 

@@ -24,6 +24,26 @@ double flux_radius(const Profile& profile) {
   return hi;
 }
 
+/// Splat and lookup move two points of equal depth apart: to layers a gap apart in a third of the cases, on the
+/// average. What must be taken off the squared distances [mm^2] so that the far part of the profile keeps its energy.
+double depth_spread(const PlaneSpectrum& spectrum, double near_length, double gap) {
+  const double wanted = spectrum(0, near_length), square = near_length * near_length;
+  double lo = 0, hi = 0.5 * gap * gap;
+  for (int i = 0; i < 40; ++i) {
+    const double spread = 0.5 * (lo + hi);
+    const double same = spectrum(0, std::sqrt(square - spread)),
+                 apart = spectrum(0, std::sqrt(square + gap * gap - spread));
+    (2 * same + apart < 3 * wanted ? lo : hi) = spread;
+  }
+  return std::min(lo, 0.9 * square);
+}
+
+/// R_d(0), or, of a profile with a sharp peak, its mean over the disc of its spread.
+double peak(const PlaneSpectrum& spectrum, const Profile& profile) {
+  const double length = spread_length(spectrum);
+  return std::min(profile.evaluate(0), profile.total() / (pi * length * length));
+}
+
 class ObjectRender {
  public:
   ObjectRender(const SharedScene& shared, const LayeredObject& object, const LayeredSettings& settings,
@@ -40,6 +60,7 @@ class ObjectRender {
     axes_ = parallel_frame(view, points_.positions);
     whole_ = frame_box(axes_, mesh_.positions);
     choice_ = choose(settings, object.spectra, whole_.hi.z - whole_.lo.z, axes_.pixel);
+    for (std::size_t s = 0; s < object.spectra.size(); ++s) peak_.push_back(peak(object.spectra[s], profile_of(s)));
     frame.notes.push_back(
         fmt::format("{}: {}", shared.scene.objects[static_cast<std::size_t>(index)].name, choice_.note));
   }
@@ -84,14 +105,25 @@ class ObjectRender {
                      {}};
     pass.scale = static_cast<float>(1 / (grid.step * grid.step * pass.width * pass.height));
     const bool facing = settings_.near_surface && pass.layers.count() > 1;
-    pass.sources =
-        splat_cells(cells_, field_, axes_, grid, pass.width, pass.height, pass.layers, {settings_.half, facing});
+    pass.sources = splat_cells(cells_, field_, axes_, grid, pass.width, pass.height, pass.layers,
+                               {settings_.half, facing, pieces_of(grid, spectra)});
     if (!settings_.skip_dark)
       for (auto& lit : pass.sources.lit) std::fill(lit.begin(), lit.end(), std::uint8_t{1});
     place_points(pass);
     for (const std::size_t s : spectra) add_lanes(pass, s, cut);
     count_pass(pass);
     return pass;
+  }
+
+  /// Where a profile sees single nodes, the pieces must be spread evenly over them.
+  float pieces_of(const FrameGrid& grid, const std::vector<std::size_t>& spectra) const {
+    const auto narrow = [&](std::size_t s) { return beyond_grid(grid, object_.spectra[s]); };
+    return std::any_of(spectra.begin(), spectra.end(), narrow) ? 0.5f : 1.0f;
+  }
+
+  /// Does much of the profile's spectrum lie beyond the frequencies of the grid?
+  static bool beyond_grid(const FrameGrid& grid, const PlaneSpectrum& spectrum) {
+    return spectrum(pi / grid.step, 0) > 0.1 * spectrum(0, 0);
   }
 
   const Profile& profile_of(std::size_t spectrum) const {
@@ -194,8 +226,10 @@ class ObjectRender {
     const bool near = pass.sources.stacks.size() > static_cast<std::size_t>(field_.channels);
     double near_total = 0;
     if (near) {
-      // Splat and lookup spread depths by a sixth of a squared gap each, on the average.
-      const double length = near_length(layers), spread = settings_.half ? 0 : layers.mean_square_gap() / 3;
+      const double length = near_length(layers);
+      // Surface that lies in a layer needs none of it, surface between two layers more: half is taken.
+      const double gap = std::sqrt(layers.mean_square_gap());
+      const double spread = settings_.half ? 0 : 0.5 * depth_spread(spectrum, length, gap);
       for (int i = 0; i < layers.separations(); ++i)
         distances.push_back(std::sqrt(std::pow(layers.distance(i), 2) + length * length - spread));
       near_total = spectrum(0, 0) - spectrum(0, length);
@@ -211,7 +245,7 @@ class ObjectRender {
   /// Linear interpolation is undone only where nothing of the profile lies beyond the grid's frequencies.
   int window_power(const LayeredPass& pass, const PlaneSpectrum& spectrum) const {
     if (settings_.pixel_kernel) return 1;
-    if (spectrum(pi / pass.grid.step, 0) > 0.1 * spectrum(0, 0)) return 0;
+    if (beyond_grid(pass.grid, spectrum)) return 0;
     return pass.grid.on_nodes ? -2 : -4;
   }
 
@@ -236,12 +270,11 @@ class ObjectRender {
   void add_pair(const LayeredPass& pass, LayerLane& lane, std::size_t s, int channel, int l, int j) {
     const int separation = pass.layers.separation(l, j), far = separation + pass.layers.separations();
     const double distance = pass.layers.distance(separation);
-    const Profile& profile = profile_of(s);
     if (!pass.sources.any(j)) {
       ++counters_.skipped["convolutions_dark_layers"];
       return;
     }
-    if (profile.evaluate(distance) < choice_.threshold * profile.evaluate(0)) {
+    if (profile_of(s).evaluate(distance) < choice_.threshold * peak_[s]) {
       ++counters_.skipped["convolutions_below_threshold"];
       return;
     }
@@ -290,6 +323,7 @@ class ObjectRender {
   ParallelFrame axes_;
   FrameBox whole_;
   LayeredChoice choice_;
+  std::vector<double> peak_;  ///< per profile: what the threshold is relative to [1/mm^2]
 };
 
 }  // namespace

@@ -19,7 +19,7 @@ std::vector<SettingSpec> layered_setting_specs() {
        "surface",
        "what is nearer than the layers' gaps: averaged along the surface, or between layers as all else (the paper)",
        {"surface", "layers"}},
-      {"near_gaps", "1.5", "near=surface: how far that goes, in largest gaps", {}, 0.25, 10},
+      {"near_gaps", "1.5", "near=surface: how far that goes, in largest gaps", {}, 1, 10},
       {"threshold",
        "1e-3",
        "mode=given: pairs of layers with R(distance) below this part of R(0) are left out",

@@ -34,12 +34,14 @@ FrameBox frame_box(const ParallelFrame& frame, std::span<const glm::vec3> positi
 
 double projected_diameter(const ParallelFrame& frame, std::span<const glm::vec3> positions) {
   constexpr int directions = 32;  // the diameter is the largest width; the nearest direction is within pi / 64
-  double lo[directions], hi[directions];
+  double lo[directions], hi[directions], cosine[directions], sine[directions];
+  for (int i = 0; i < directions; ++i)
+    cosine[i] = std::cos(pi * i / directions), sine[i] = std::sin(pi * i / directions);
   std::fill(lo, lo + directions, HUGE_VAL), std::fill(hi, hi + directions, -HUGE_VAL);
   for (const glm::vec3& p : positions) {
     const glm::dvec3 at = frame.point(p);
     for (int i = 0; i < directions; ++i) {
-      const double along = std::cos(pi * i / directions) * at.x + std::sin(pi * i / directions) * at.y;
+      const double along = cosine[i] * at.x + sine[i] * at.y;
       lo[i] = std::min(lo[i], along), hi[i] = std::max(hi[i], along);
     }
   }

@@ -56,7 +56,8 @@ class Splat {
   void sort_in(const SurfaceCell& cell, std::uint32_t index) {
     GridCell g{on_grid(cell.a), on_grid(cell.b), on_grid(cell.c), index, 1, false, {}, 0, 0};
     const float width = extent(g.a.x, g.b.x, g.c.x), height = extent(g.a.y, g.b.y, g.c.y);
-    const float pieces = std::max({width, height, extent(g.a.z, g.b.z, g.c.z) / piece_depth_});
+    const float pieces =
+        std::max({width / settings_.piece, height / settings_.piece, extent(g.a.z, g.b.z, g.c.z) / piece_depth_});
     g.pieces = std::clamp(static_cast<int>(std::ceil(pieces)), 1, 512);
     // y is down: counter-clockwise from outside is clockwise here, seen from the viewer.
     const glm::vec3 ab = g.b - g.a, ac = g.c - g.a;

@@ -1,7 +1,8 @@
 // The light of an object's surface cells, distributed onto its layers: front and back of every part, none hidden.
 //
-// A cell's flux is shared by its pieces, each smaller than the grid's step, and a piece's flux by the four nodes and
-// the two layers around it. So the flux on the layers is that of the surface, whatever the step and the view.
+// A cell's flux is shared by its pieces, each smaller than the grid's step (or half of it), and a piece's flux by the
+// four nodes and the two layers around it. So the flux on the layers is that of the surface, whatever the step and the
+// view.
 #pragma once
 
 #include "render/irradiance/irradiance.h"
@@ -14,6 +15,7 @@ namespace opaline {
 struct SplatSettings {
   bool half = false;    ///< half to each of the two layers (the paper), else by depth
   bool facing = false;  ///< surface that faces the viewer apart from the rest, and its area
+  float piece = 1;      ///< side of the pieces of a cell, at most, in steps of the grid
 };
 
 /// What is on the layers, one stack each: flux [E mm^2] per channel of the irradiance, then, by facing, that of the
