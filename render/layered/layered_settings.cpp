@@ -8,7 +8,7 @@ std::vector<SettingSpec> layered_setting_specs() {
   return {
       profile_setting(),
       {"mode", "auto", "auto: layers, threshold and resolution are picked from wanted_error", {"auto", "given"}},
-      {"wanted_error", "0.01", "mode=auto: relative RMS error", {}, 1e-3, 0.5},
+      {"wanted_error", "0.02", "mode=auto: relative RMS error", {}, 1e-3, 0.5},
       {"layers", "8", "mode=given: planes between the nearest and the farthest surface", {}, 1, 256, true},
       {"placement", "uniform", "of the layers: equally far apart, or where surface is", {"uniform", "surface"}},
       {"splat",

@@ -8,7 +8,7 @@ namespace opaline {
 struct LayeredSettings {
   std::string profile;
   bool automatic = true;       ///< mode=auto: layers, threshold and resolution are picked from wanted_error
-  double wanted_error = 0.01;  ///< relative RMS
+  double wanted_error = 0.02;  ///< relative RMS
   int layers = 8;
   bool by_surface = false;   ///< placement=surface
   bool half = false;         ///< splat=half

@@ -34,14 +34,16 @@ Technique layered_convolution_technique() {
           .citation =
               "Munoz, Echevarria, Seron, Gutierrez 2011, \"Convolution-Based Simulation of Homogeneous "
               "Subsurface Scattering\"",
-          .backends = {"cpu"},
+          .backends = {"cpu", "gpu"},
           .limits =
               "any scene; layers and film set its error, which is largest where the surface is steep, thin or "
               "sharp against the layers' gaps",
           .settings = layered_setting_specs(),
           .invalidated_by = {.camera = false, .light = true, .material = true, .geometry = true},
           .not_applicable = gather_not_applicable,
-          .prepare = prepare};
+          .prepare = prepare,
+          .prepare_gpu = prepare_layered_convolution_gl,
+          .twin_tolerance = 1e-4};
 }
 
 }  // namespace opaline

@@ -79,9 +79,12 @@ TEST_P(EveryTechnique, HasSettingsWithMeaningAndValidDefaults) {
 
 /// Settings that buy accuracy with time, for techniques whose defaults are noisier than the test allows.
 std::map<std::string, std::string> accurate(const Technique& technique) {
-  for (const SettingSpec& spec : technique.settings)
-    if (spec.key == "samples_per_pixel") return {{spec.key, "1024"}};
-  return {};
+  std::map<std::string, std::string> set;
+  for (const SettingSpec& spec : technique.settings) {
+    if (spec.key == "samples_per_pixel") set[spec.key] = "1024";
+    if (spec.key == "wanted_error") set[spec.key] = "0.002";
+  }
+  return set;
 }
 
 // A sphere lit from the side; or, for a technique that gathers only what it sees, a slab lit and seen from above.
