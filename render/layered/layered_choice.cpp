@@ -40,7 +40,7 @@ double spread_length(const PlaneSpectrum& spectrum) {
 LayeredChoice choose(const LayeredSettings& settings, const std::vector<PlaneSpectrum>& spectra, double depth,
                      double pixel) {
   LayeredChoice choice{settings.layers, settings.threshold, {}, {}};
-  const double error = settings.automatic ? settings.wanted_error : 0.01;
+  const double error = settings.automatic ? settings.wanted_error : 0.005;
   if (settings.automatic) {
     double spread = HUGE_VAL;
     for (const PlaneSpectrum& s : spectra) spread = std::min(spread, spread_length(s));
@@ -50,7 +50,7 @@ LayeredChoice choose(const LayeredSettings& settings, const std::vector<PlaneSpe
   std::vector<std::string> percent;
   for (const PlaneSpectrum& s : spectra) {
     const bool pick = settings.automatic || settings.nodes_per_pixel == 0;
-    choice.nodes_per_pixel.push_back(pick ? coarsest_nodes_per_pixel(s, pixel, 4 * error) : settings.nodes_per_pixel);
+    choice.nodes_per_pixel.push_back(pick ? coarsest_nodes_per_pixel(s, pixel, 3 * error) : settings.nodes_per_pixel);
     percent.push_back(fmt::format("{:.4g}", 100 * choice.nodes_per_pixel.back()));
   }
   choice.note = fmt::format("{} layers, threshold {:.2g}, resolution {} %", choice.layers, choice.threshold,

@@ -1,4 +1,5 @@
 // Layered convolution: error against layers, and what every skip saves, as ratios of processor time in one run.
+#include "datasets_synthetic/shapes/shapes.h"
 #include "render/gl/context.h"
 #include "render/input_error.h"
 #include "render/techniques/technique.h"
@@ -106,6 +107,12 @@ void print_ratios(const SceneChoice& choice) {
     all["splat"] = "half", all["near"] = "layers";
     print_ratio(size + "all", none, run(shared, all, runs), "");
   }
+  // Of a ball half of the layers are seen.
+  Scene scene = layered_scene(choice, "wholemilk", choice.height, film);
+  scene.objects[0].mesh = make_sphere(choice.height / 2, 20000);
+  const SharedScene shared(scene, {choice.samples, {}});
+  print_ratio("a ball: unseen layers", run(shared, plain(), runs),
+              run(shared, plain({{"unseen_layers", "skip"}}), runs), "about 2x");
 }
 
 void gpu_figures(const SharedScene& shared, const SceneChoice& choice, std::vector<Figure>& figures) {
