@@ -11,6 +11,9 @@ find_package(fmt REQUIRED)
 find_package(hwy REQUIRED)
 find_package(glm REQUIRED)
 find_package(OpenEXR REQUIRED)
+# FFTW has no CMake package of its own.
+find_package(PkgConfig REQUIRED)
+pkg_check_modules(fftw3f REQUIRED IMPORTED_TARGET fftw3f)
 find_package(OpenImageIO REQUIRED)
 # Debian's OpenImageIO target names an include folder of OpenCV that its package does not bring.
 get_target_property(_oiio_includes OpenImageIO::OpenImageIO INTERFACE_INCLUDE_DIRECTORIES)

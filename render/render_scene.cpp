@@ -79,6 +79,7 @@ RenderResult render_scene(const Scene& scene, const RenderOptions& options, cons
   result.estimates = frame.estimates;
   result.counters = shared.counters;
   result.counters += frame.counters;
+  result.notes = frame.notes;
   result.counters.skipped["zero_area_triangles"] += scene.dropped_triangles;
   return result;
 }

@@ -32,6 +32,7 @@ struct RenderResult {
   std::map<std::string, std::string> settings;
   std::map<std::string, double> estimates;  ///< of the whole picture (technique.h)
   Counters counters;
+  std::vector<std::string> notes;  ///< what the technique picked by itself
   RenderSeconds seconds;
 };
 

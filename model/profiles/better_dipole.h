@@ -65,6 +65,13 @@ struct BetterDipole {
     return albedo_squared * (0.5 * flux_weight * poles + (1.0 - flux_weight) * gap);
   }
 
+  /// Of R_d(sqrt(r^2 + z^2)) over a plane, see Profile::plane_spectrum.
+  T plane_spectrum(const T& k, const T& z) const {
+    const T poles = pole_spectrum(k, z, z_r, sigma_tr) + pole_spectrum(k, z, z_v, sigma_tr);
+    const T gap = yukawa_gap_spectrum(k, z, z_r, z_v, sigma_tr);
+    return albedo_squared * (0.5 * flux_weight * poles + (1.0 - flux_weight) * gap);
+  }
+
   /// Radius with density 2 pi r R_d(r)/total() for uniform xi in [0, 1): the inverse of the cumulative.
   double sample(double xi) const {
     const double whole = total();

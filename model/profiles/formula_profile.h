@@ -1,7 +1,7 @@
 // Turns a templated formula into a Profile: values in double, gradients by dual numbers.
 //
 // Formula<T> is built from a Medium<T> and has evaluate(r), total(), cumulative(r), sample(xi) and
-// core_radius(), as StandardDipole. Dual is ceres::Jet<double, 3>; it is a parameter so that only a
+// core_radius(), as StandardDipole; plane_spectrum(k, z) where there is a closed one. Dual is ceres::Jet<double, 3>; it is a parameter so that only a
 // profile's .cpp includes Ceres.
 #pragma once
 
@@ -30,6 +30,12 @@ class FormulaProfile final : public Profile {
   double cumulative(double r) const override { return std::min(formula_.cumulative(clamped(r)), total_); }
   double sample(double xi) const override { return formula_.sample(xi); }
   double core_radius() const override { return formula_.core_radius(); }
+  std::optional<double> plane_spectrum([[maybe_unused]] double k, [[maybe_unused]] double z) const override {
+    if constexpr (requires { formula_.plane_spectrum(k, z); })
+      return formula_.plane_spectrum(k, z);
+    else
+      return std::nullopt;
+  }
 
  private:
   /// Beyond this r^2 overflows; every profile is 0 there.

@@ -95,6 +95,20 @@ struct NormalisedDiffusion {
     return albedo * (outer - core_flux() * expm1(-h / c));
   }
 
+  /// Of R_d(sqrt(r^2 + z^2)) over a plane, see Profile::plane_spectrum: each term exp(-s rho)/rho has
+  /// 2 pi exp(-beta h)/beta, beta^2 = s^2 + k^2, h^2 = c^2 + z^2.
+  T plane_spectrum(const T& k, const T& z) const {
+    using std::exp;
+    using std::sqrt;
+    const T h = sqrt(c * c + z * z);
+    const auto term = [&](const T& s, const T& from) {
+      const T beta = sqrt(s * s + k * k);
+      return T(exp(s * from - beta * h) / beta);
+    };
+    const T shape = (term(T(1.0 / d), T(0.0)) + term(T(1.0 / (3.0 * d)), T(0.0))) / (4.0 * d);
+    return albedo * (shape + core_flux() / c * term(T(1.0 / c), c));
+  }
+
   /// Radius with density 2 pi r R_d(r)/total() for uniform xi in [0, 1); closed, not monotone in xi: the core for xi
   /// below its share, else the root of S(rho) = 1 - xi. With y = exp(-rho/(3d)) that is y^3 + 3y = 4 (1 - xi), whose
   /// real root is 2 sinh(asinh(2 (1 - xi))/3).

@@ -72,6 +72,16 @@ T pole_cumulative(const T& r, const T& z, const T& sigma) {
   return exp(-sigma * z) * (h - z * expm1(-sigma * h)) / d;
 }
 
+/// int P(r) J_0(k r) 2 pi r dr with d^2 = r^2 + z^2 + x^2: the 2-D spectrum, at k [1/mm], of what the pole sends to a
+/// plane x [mm] from its own surface. z exp(-beta h)/h with beta^2 = sigma^2 + k^2 and h^2 = z^2 + x^2.
+template <typename T>
+T pole_spectrum(const T& k, const T& x, const T& z, const T& sigma) {
+  using std::exp;
+  using std::sqrt;
+  const T h = sqrt(z * z + x * x);
+  return z / h * exp(-sqrt(sigma * sigma + k * k) * h);
+}
+
 /// The distance r with pole_cumulative(r) = xi exp(-sigma z), xi in [0, 1): solve
 /// sigma z w + log(1 + w) = -log(1 - xi) for w = d/z - 1 >= 0. Relative error below 1e-14 for xi up
 /// to 1 - 2^-53 and sigma z from 0 to 1e300, as long as xi/(1 + sigma z) > 1e-300. At most 8 steps, which are added to

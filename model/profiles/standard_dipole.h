@@ -56,6 +56,11 @@ struct StandardDipole {
     return 0.5 * alpha_prime * (pole_cumulative(r, z_r, sigma_tr) + pole_cumulative(r, z_v, sigma_tr));
   }
 
+  /// Of R_d(sqrt(r^2 + z^2)) over a plane, see Profile::plane_spectrum.
+  T plane_spectrum(const T& k, const T& z) const {
+    return 0.5 * alpha_prime * (pole_spectrum(k, z, z_r, sigma_tr) + pole_spectrum(k, z, z_v, sigma_tr));
+  }
+
   /// Radius with density 2 pi r R_d(r)/total() for uniform xi in [0, 1); exact, not monotone in xi.
   double sample(double xi) const { return sample_pole_pair(z_r, z_v, sigma_tr, near_share, xi); }
 

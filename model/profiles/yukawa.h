@@ -70,4 +70,15 @@ T yukawa_gap_cumulative(const T& r, const T& z_r, const T& z_v, const T& s) {
   return yukawa_gap_total(z_r, z_v, s) - rise * exp(-s * d_r) * mean_decay(T(s * (z_v - z_r) * rise));
 }
 
+/// int G J_0(k r) 2 pi r dr with d^2 = r^2 + z^2 + x^2: the 2-D spectrum at k [1/mm] of what G sends to a plane x [mm]
+/// from its own. A Yukawa potential exp(-s d)/d has 2 pi exp(-beta h)/beta, beta^2 = s^2 + k^2, h^2 = z^2 + x^2.
+template <typename T>
+T yukawa_gap_spectrum(const T& k, const T& x, const T& z_r, const T& z_v, const T& s) {
+  using std::exp;
+  using std::sqrt;
+  const T beta = sqrt(s * s + k * k), h_r = sqrt(z_r * z_r + x * x), h_v = sqrt(z_v * z_v + x * x);
+  const T rise = (z_v + z_r) / (h_v + h_r);  // (h_v - h_r)/(z_v - z_r)
+  return rise * exp(-beta * h_r) * mean_decay(T(beta * (z_v - z_r) * rise));
+}
+
 }  // namespace opaline

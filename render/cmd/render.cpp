@@ -55,6 +55,7 @@ void run(Arguments& a, const ShapeLibrary& shapes, const TechniqueChooser& choos
   const double load = watch.lap();
   const RenderResult result = render_scene(scene, a.render, [&](const std::string& stage) { progress.show(stage); });
   warn_if_empty(result.image);
+  for (const std::string& note : result.notes) fmt::print(stderr, "opaline: {}\n", note);
   write_exr(a.out, with_layers(result.image, result.layers), image_header(scene, a.render, result));
   if (!a.png.empty()) write_png(a.png, result.image, auto_exposure(result.image));
   if (!a.stats.empty())

@@ -40,6 +40,7 @@ Json render_stats(const RenderOptions& options, const RenderResult& result, doub
             {"total", total}}},
           {"counters", {{"done", result.counters.done}, {"skipped", result.counters.skipped}}},
           {"estimates", result.estimates},
+          {"notes", result.notes},
           {"peak_rss_bytes", peak_rss_bytes()},
           {"settings", settings_json(options, result)}};
 }

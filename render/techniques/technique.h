@@ -42,6 +42,7 @@ struct Frame {
   /// What it knows of the whole result, by name. In use:
   ///   discretisation_error  of a surface cut into cells, relative RMS of the exitance
   std::map<std::string, double> estimates{};
+  std::vector<std::string> notes;  ///< what the technique picked by itself, a sentence each
 };
 
 class PreparedTechnique {

@@ -83,6 +83,7 @@ std::map<std::string, std::string> accurate(const Technique& technique) {
   std::map<std::string, std::string> given;
   for (const SettingSpec& spec : technique.settings) {
     if (spec.key == "samples_per_pixel") given[spec.key] = "1024";
+    if (spec.key == "wanted_error") given[spec.key] = "0.002";
     if (spec.key == "discretisation") given[spec.key] = "fixed";
   }
   return given;

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <fstream>
 #include <thread>
 
@@ -47,6 +48,18 @@ double median_seconds(int runs, const std::function<void()>& call) {
     Stopwatch watch;
     call();
     seconds.push_back(watch.lap());
+  }
+  std::sort(seconds.begin(), seconds.end());
+  return seconds[seconds.size() / 2];
+}
+
+double median_processor_seconds(int runs, const std::function<void()>& call) {
+  call();
+  std::vector<double> seconds;
+  for (int i = 0; i < runs; ++i) {
+    const std::clock_t start = std::clock();
+    call();
+    seconds.push_back(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
   }
   std::sort(seconds.begin(), seconds.end());
   return seconds[seconds.size() / 2];

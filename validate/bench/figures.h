@@ -25,6 +25,10 @@ std::string machine();
 /// Median of the seconds of `runs` calls, after one that is not counted.
 double median_seconds(int runs, const std::function<void()>& call);
 
+/// Median of the processor seconds of `runs` calls, over all threads, after one that is not counted: what a busy
+/// machine doesn't change.
+double median_processor_seconds(int runs, const std::function<void()>& call);
+
 /// Processor time of this thread so far: what a busy machine doesn't stretch.
 double thread_seconds();
 
@@ -61,5 +65,9 @@ std::vector<Figure> path_figures(const SceneChoice& choice);
 
 /// Of image_space_sampling: figures and tables, on scenes of its own; `runs` is all that counts of the choice.
 void print_image_space_figures(const SceneChoice& choice);
+
+/// Of layered_convolution on the same object at 800 x 800 pixels: figures, and tables of errors and of the skips'
+/// ratios.
+void print_layered_figures(const SceneChoice& choice);
 
 }  // namespace opaline::bench

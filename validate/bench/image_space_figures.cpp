@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 
 namespace opaline::bench {
 namespace {
@@ -20,20 +19,6 @@ using Given = std::map<std::string, std::string>;
 Frame render(const SharedScene& shared, const std::string& name, const Given& given) {
   const Technique& technique = find_technique(name);
   return technique.prepare(shared, Settings(technique.settings, given))->render(shared.view);
-}
-
-/// Median of the processor seconds of `runs` calls, over all threads, after one that is not counted: what a busy
-/// machine doesn't change.
-double median_processor_seconds(int runs, const std::function<void()>& call) {
-  call();
-  std::vector<double> seconds;
-  for (int i = 0; i < runs; ++i) {
-    const std::clock_t start = std::clock();
-    call();
-    seconds.push_back(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
-  }
-  std::sort(seconds.begin(), seconds.end());
-  return seconds[seconds.size() / 2];
 }
 
 /// Against a reference, over all channels: RMS error over its RMS, as it is and after the best single factor.
