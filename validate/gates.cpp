@@ -16,7 +16,15 @@ struct Value {
 
 std::optional<double> found(const std::map<std::string, double>& values, const std::string& name) {
   const auto it = values.find(name);
-  return it == values.end() ? std::nullopt : std::optional(it->second);
+  if (it == values.end()) return std::nullopt;
+  return name == "mean_error" ? std::abs(it->second) : it->second;
+}
+
+std::optional<double> reference(const RecordReference& r, const std::string& name) {
+  const double value = name == "certified_max"              ? r.certified_max
+                       : name == "certified_relative_error" ? r.certified_relative_error
+                                                            : r.truth_standard_error;
+  return value > 0 ? std::optional(value) : std::nullopt;  // 0: there was none
 }
 
 std::optional<double> counter(const Record& r, const std::string& name) {
@@ -39,6 +47,8 @@ std::optional<double> value_of(const Figure& figure, const Record& r) {
       return found(r.error, figure.name);
     case Figure::Kind::truth_error:
       return r.truth_error ? found(*r.truth_error, figure.name) : std::nullopt;
+    case Figure::Kind::reference:
+      return reference(r.reference, figure.name);
     case Figure::Kind::counter:
       return counter(r, figure.name);
     case Figure::Kind::seconds:

@@ -21,9 +21,11 @@ bool selects(const RecordSelection& selection, const Record& record);
 
 /// One number of each selected record.
 struct Figure {
-  enum class Kind { error, truth_error, counter, seconds, count };
+  enum class Kind { error, truth_error, reference, counter, seconds, count };
   Kind kind = Kind::error;
-  /// A metric; "done.NAME" or "skipped.NAME"; "prepare", "render", or "edit.EDIT"; a status ("failed": how many).
+  /// A metric (of mean_error the magnitude counts); "certified_relative_error", "certified_max" or
+  /// "truth_standard_error"; "done.NAME" or "skipped.NAME"; "prepare", "render", or "edit.EDIT"; a status ("failed":
+  /// how many).
   std::string name;
   RecordSelection selection;
 };

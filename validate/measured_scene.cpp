@@ -86,9 +86,14 @@ MeasuredScene::MeasuredScene(const Suite& suite, const SceneCase& c, const Shape
 
 ReferenceImage MeasuredScene::make(const std::string& name, const SettingValues& settings, const char* error_layer) {
   const Technique& technique = find_technique(name);
+  // Truth must not share its random numbers with what is measured against it.
+  std::uint64_t& seed = shared->settings.irradiance.seed;
+  const std::uint64_t measured_seed = seed;
+  if (technique.statistical) seed += 1'000'003;
   Stopwatch watch;
   const auto prepared = technique.prepare(*shared, Settings(technique.settings, settings));
   const Frame frame = prepared->render(shared->view);
+  seed = measured_seed;
   ReferenceImage made;
   made.image = shade(scene, shared->view, frame);
   const std::map<std::string, Image> layers = shade_layers(scene, shared->view, frame);
