@@ -82,6 +82,13 @@ std::vector<Value> counted(const Gate& gate, const std::vector<Record>& records)
   return selected > 0 ? std::vector{sum} : std::vector<Value>{};
 }
 
+/// The same scene and material, and of the same technique the same settings, unless the divisor names its own.
+bool is_divisor(const Record& above, const Record& below, const Figure& divided_by) {
+  return above.scene == below.scene && above.material == below.material &&
+         (above.technique != below.technique || above.settings == below.settings ||
+          !divided_by.selection.settings.empty());
+}
+
 std::vector<Value> values_of(const Gate& gate, const std::vector<Record>& records) {
   if (gate.figure.kind == Figure::Kind::count) return counted(gate, records);
   std::vector<Value> values;
@@ -91,7 +98,7 @@ std::vector<Value> values_of(const Gate& gate, const std::vector<Record>& record
       continue;
     }
     for (const auto& [below, divisor] : values_of(*gate.divided_by, records))
-      if (below->scene == above->scene && below->material == above->material)
+      if (is_divisor(*above, *below, *gate.divided_by))
         values.push_back({value / divisor, above->name() + " by " + below->name()});
   }
   return values;

@@ -1,4 +1,4 @@
-// Gates: figures of a run that a continuous integration holds to limits. gates/gates.md says what a file of them may
+// Gates: figures of a run that a continuous integration holds to limits. validate.md says what a file of them may
 // hold; absolute times are refused, because they are of the machine and not of the program.
 #pragma once
 
@@ -33,7 +33,9 @@ struct Figure {
 struct Gate {
   std::string name;
   Figure figure;
-  std::optional<Figure> divided_by;  ///< of the records with the same scene and material
+  /// Of the records with the same scene and material; of the same technique, with the same settings as well, unless it
+  /// names settings.
+  std::optional<Figure> divided_by;
   double limit = 0;
   bool upper = true;  ///< value <= limit, else value >= limit
 };

@@ -50,8 +50,8 @@ class ValidateCli : public ::testing::Test {
 
 TEST_F(ValidateCli, KilledAtAnyMomentItGoesOnWithWhatIsMissing) {
   json slow = suite();
-  slow["runs"] = 50;
-  slow["max_seconds"] = 2;
+  slow["runs"] = 20;
+  slow["max_seconds"] = 1;
   folder_.write("slow.json", slow.dump());
   sh("$opaline validate slow.json --out r & pid=$!\n"
      "until [ $(cat r/records.jsonl 2>/dev/null | wc -l) -ge 2 ]; do sleep 0.01; done\n"
@@ -73,8 +73,8 @@ TEST_F(ValidateCli, KilledAtAnyMomentItGoesOnWithWhatIsMissing) {
 
 TEST_F(ValidateCli, ACrashIsTheEndOfItsCellAlone) {
   json slow = suite();
-  slow["runs"] = 100;
-  slow["max_seconds"] = 2;
+  slow["runs"] = 20;
+  slow["max_seconds"] = 1;
   folder_.write("slow.json", slow.dump());
   const int status =
       sh("$opaline validate slow.json --out r & pid=$!\n"
@@ -135,6 +135,11 @@ TEST_F(ValidateCli, WrongInputIsRefusedBeforeAnyWork) {
 
 TEST_F(ValidateCli, RenderChoosesFromRecordsAndSaysWhy) {
   ASSERT_EQ(sh("$opaline validate suite.json --out r"), 0) << content("err");
+  const Record record = read_records(folder_.file("r/records.jsonl")).records.back();
+  const std::string command = "$" + record.command;  // "$opaline render ..."
+  ASSERT_EQ(sh("cd r && " + command + " && $opaline compare image.exr " + record.images.at("render") + " --max-rmse 0"),
+            0)
+      << "the recorded command makes the recorded image: " << content("err");
   const std::string render = "$opaline render r/scenes/side_m1.json --records r --stats s.json --out ";
   ASSERT_EQ(sh(render + "a.exr --max-error 1e-5"), 0) << content("err");
   EXPECT_THAT(content("err"), AllOf(HasSubstr("brute_force on the cpu"), HasSubstr("relative_rmse at most")));
