@@ -144,7 +144,7 @@ TEST_F(ValidateCli, RenderChoosesFromRecordsAndSaysWhy) {
   ASSERT_EQ(sh(render + "a.exr --max-error 1e-5"), 0) << content("err");
   EXPECT_THAT(content("err"), AllOf(HasSubstr("brute_force on the cpu"), HasSubstr("relative_rmse at most")));
   EXPECT_EQ(json::parse(content("s.json")).at("technique"), "brute_force");
-  EXPECT_EQ(json::parse(content("s.json")).at("settings").at("samples"), 200);
+  EXPECT_EQ(json::parse(content("s.json")).at("settings").at("samples"), 100);
   ASSERT_EQ(sh(render + "b.exr --budget 1e9"), 0) << content("err");
   EXPECT_EQ(json::parse(content("s.json")).at("technique"), "brute_force") << "the most accurate";
   ASSERT_EQ(sh(render + "c.exr --max-error 0.5"), 0) << content("err");
