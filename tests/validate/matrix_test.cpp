@@ -107,7 +107,7 @@ TEST(Matrix, WhatCannotBeDoneHasItsReason) {
   suite["sweeps"] = {{"path_traced", {{{"paths", 2}}}}};
   json open = suite["scenes"][1]["scene"], broken = open;
   folder.write("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\n");
-  open["objects"] = {{{"mesh", folder.file("open.obj")}, {"material", "m1"}}};
+  open["objects"] = {{{"mesh", folder.file("open.obj")}, {"material", "m1"}, {"transform", {{"scale", 5}}}}};
   broken["objects"] = {{{"mesh", folder.file("none.obj")}, {"material", "m1"}}};
   suite["scenes"] = {{{"name", "open"}, {"scene", open}}, {{"name", "broken"}, {"scene", broken}}};
   RunOptions options;
@@ -124,9 +124,13 @@ TEST(Matrix, WhatCannotBeDoneHasItsReason) {
       EXPECT_EQ(r.status, CellStatus::not_applicable);
       EXPECT_THAT(r.reason, HasSubstr(r.backend == "cpu" ? "not closed" : "no gpu backend"));
       EXPECT_EQ(r.seconds.render.runs, 0);
+    } else {
+      // On the GPU only where there is one.
+      EXPECT_TRUE(r.status == CellStatus::done || r.backend == "gpu") << r.reason;
+      EXPECT_NE(r.status, CellStatus::failed) << r.reason;
     }
   }
-  // What failed is tried again, what is not applicable isn't.
+  // What failed is tried again, what is done or not applicable isn't.
   EXPECT_EQ(run_suite(parse_suite(suite, "s.json"), options, test::test_shapes()).measured, 4u);
 }
 
