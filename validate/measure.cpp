@@ -98,7 +98,7 @@ void compare_with_references(const MeasureContext& context, const Cell& cell, co
   }
   const ReferenceImage& reference = scene.reference(profile_of(settings, context.suite));
   record.error = evaluate_metrics(compare_images(image, reference.image));
-  record.reference.settings = context.suite.reference;
+  record.reference.settings = reference.settings;
   record.reference.certified_relative_error = reference.relative_error;
   record.reference.certified_max = reference.max_error;
   record.reference.seconds = reference.seconds;

@@ -126,7 +126,8 @@ ReferenceImage MeasuredScene::find_or_make(const std::string& name, const Settin
                          known.at("error_file"),
                          known.at("relative_error"),
                          known.at("max_error"),
-                         known.at("seconds")};
+                         known.at("seconds"),
+                         {}};
     return found;
   }
   ReferenceImage made = make(name, settings, error_layer);
@@ -145,11 +146,15 @@ ReferenceImage MeasuredScene::find_or_make(const std::string& name, const Settin
 }
 
 const ReferenceImage& MeasuredScene::reference(const std::string& profile) {
-  const auto known = references_.find(profile);
-  if (known != references_.end()) return known->second;
   SettingValues settings = suite_.reference;
   if (!profile.empty()) settings["profile"] = profile;
-  return references_[profile] = find_or_make("hierarchical", settings, "bound");
+  // Named even where it is the default, so that both ways of asking find the same image.
+  settings["profile"] = Settings(find_technique("hierarchical").settings, settings).word("profile");
+  const auto known = references_.find(settings["profile"]);
+  if (known != references_.end()) return known->second;
+  ReferenceImage& made = references_[settings["profile"]] = find_or_make("hierarchical", settings, "bound");
+  made.settings = settings;
+  return made;
 }
 
 const ReferenceImage* MeasuredScene::truth() {
