@@ -35,8 +35,8 @@ std::optional<double> counter(const Record& r, const std::string& name) {
 }
 
 std::optional<double> seconds(const Record& r, const std::string& name) {
-  if (name == "prepare") return r.seconds.prepare.median;
-  if (name == "render") return r.seconds.render.median;
+  if (name == "prepare") return r.seconds.prepare.min;
+  if (name == "render") return r.seconds.render.min;
   const auto it = r.seconds.edits.find(name.substr(name.find('.') + 1));
   return it == r.seconds.edits.end() ? std::nullopt : std::optional(it->second.total);
 }

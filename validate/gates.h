@@ -24,8 +24,8 @@ struct Figure {
   enum class Kind { error, truth_error, reference, counter, seconds, count };
   Kind kind = Kind::error;
   /// A metric (of mean_error the magnitude counts); "certified_relative_error", "certified_max" or
-  /// "truth_standard_error"; "done.NAME" or "skipped.NAME"; "prepare", "render", or "edit.EDIT"; a status ("failed":
-  /// how many).
+  /// "truth_standard_error"; "done.NAME" or "skipped.NAME"; "prepare", "render" (the least of their runs, which other
+  /// work disturbs least), or "edit.EDIT"; a status ("failed": how many).
   std::string name;
   RecordSelection selection;
 };
