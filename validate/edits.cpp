@@ -83,11 +83,13 @@ bool apply(const std::string& edit, TechniqueRun& run, Restore& restore) {
   return true;  // whatever was prepared holds on to the shared parts of before
 }
 
-EditCost measure_once(const std::string& edit, TechniqueRun& run) {
+}  // namespace
+
+EditCost measure_edit_once(const std::string& edit, TechniqueRun& run, bool anyway) {
   Restore restore(run.scene);
   EditCost cost;
   Stopwatch watch;
-  const bool prepare = apply(edit, run, restore);
+  const bool prepare = apply(edit, run, restore) || anyway;
   cost.shared = watch.lap();
   if (prepare) run.prepare();
   cost.prepare = prepare ? watch.lap() : 0;
@@ -98,15 +100,13 @@ EditCost measure_once(const std::string& edit, TechniqueRun& run) {
   return cost;
 }
 
-}  // namespace
-
 EditCost measure_edit(const std::string& edit, TechniqueRun& run, const TimingPlan& plan, double& spent) {
   std::vector<EditCost> costs;
   Stopwatch watch;
   double sum = 0;
   do {
     run.prepare();  // of the unedited scene: what the technique has at the moment of the edit
-    costs.push_back(measure_once(edit, run));
+    costs.push_back(measure_edit_once(edit, run));
     sum += watch.lap();
   } while (static_cast<int>(costs.size()) < plan.runs && sum < plan.max_seconds);
   spent += sum;

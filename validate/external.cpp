@@ -35,10 +35,9 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text;
 }
 
-/// Starts the command with its output in a file, from nowhere else than `folder`.
-::pid_t start(const std::string& command, const std::string& folder, const std::string& log) {
-  const std::string script = "cd " + quoted(folder) + " && " + command;
-  const char* arguments[] = {"/bin/sh", "-c", script.c_str(), nullptr};
+/// Starts the command with its output in a file.
+::pid_t start(const std::string& command, const std::string& log) {
+  const char* arguments[] = {"/bin/sh", "-c", command.c_str(), nullptr};
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   posix_spawn_file_actions_addopen(&actions, 0, "/dev/null", O_RDONLY, 0);
@@ -67,13 +66,13 @@ std::string tail(const std::string& log) {
 
 ExternalRun run_external(const std::string& command, const std::string& folder, const std::string& scene,
                          const std::string& stem) {
-  const std::string base = fs::absolute(folder).string(), out = "images/" + stem + ".external.exr";
-  const std::string log = base + "/images/" + stem + ".log";
-  fs::remove(base + "/" + out);
+  const std::string base = fs::absolute(folder).lexically_normal().string();
+  const std::string out = base + "/images/" + stem + ".external.exr", log = base + "/images/" + stem + ".log";
+  fs::remove(out);
   ExternalRun run;
-  run.command = replaced(replaced(command, "{scene}", quoted(scene)), "{out}", quoted(out));
+  run.command = replaced(replaced(command, "{scene}", quoted(base + "/" + scene)), "{out}", quoted(out));
   Stopwatch watch;
-  const ::pid_t child = start(run.command, base, log);
+  const ::pid_t child = start(run.command, log);
   int status = 0;
   rusage usage{};
   while (::wait4(child, &status, 0, &usage) < 0)
@@ -81,10 +80,9 @@ ExternalRun run_external(const std::string& command, const std::string& folder, 
   run.seconds = watch.lap();
   run.peak_rss_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
   if (status != 0) throw std::runtime_error(fmt::format("the command {}: {}", how_it_ended(status), tail(log)));
-  if (!fs::exists(base + "/" + out))
-    throw std::runtime_error(fmt::format("the command wrote no {}: {}", out, tail(log)));
-  run.image = read_image(base + "/" + out);
-  fs::remove(base + "/" + out);
+  if (!fs::exists(out)) throw std::runtime_error(fmt::format("the command wrote no {}: {}", out, tail(log)));
+  run.image = read_image(out);
+  fs::remove(out);
   fs::remove(log);
   return run;
 }

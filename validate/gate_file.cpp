@@ -47,17 +47,17 @@ struct FigureKey {
   const char* key;
   Figure::Kind kind;
 };
-constexpr FigureKey figure_keys[] = {{"error", Figure::Kind::error},
-                                     {"truth_error", Figure::Kind::truth_error},
-                                     {"counter", Figure::Kind::counter},
-                                     {"seconds", Figure::Kind::seconds},
-                                     {"count", Figure::Kind::count}};
+constexpr FigureKey figure_keys[] = {{"error", Figure::Kind::error},         {"truth_error", Figure::Kind::truth_error},
+                                     {"reference", Figure::Kind::reference}, {"counter", Figure::Kind::counter},
+                                     {"seconds", Figure::Kind::seconds},     {"count", Figure::Kind::count}};
 
 void check_name(JsonObject& in, const std::string& key, const Figure& figure) {
   const std::string& name = figure.name;
   const auto starts = [&](const char* prefix) { return name.rfind(prefix, 0) == 0; };
   if (figure.kind == Figure::Kind::error || figure.kind == Figure::Kind::truth_error)
     find_metric(name, in.file() + ": " + in.pointer() + "/" + key);
+  if (figure.kind == Figure::Kind::reference)
+    in.choice(key, {"certified_relative_error", "certified_max", "truth_standard_error"});
   if (figure.kind == Figure::Kind::counter && !starts("done.") && !starts("skipped."))
     in.fail(key, "must be \"done.NAME\" or \"skipped.NAME\", but is \"" + name + "\"");
   const std::vector<std::string> times = {"prepare",    "render",        "edit.camera",
@@ -77,8 +77,9 @@ Figure read_figure(JsonObject in) {
     check_name(in, row.key, figure);
   }
   if (kinds != 1)
-    throw InputError(in.file(), in.pointer(),
-                     "needs exactly one of \"error\", \"truth_error\", \"counter\", \"seconds\" and \"count\"");
+    throw InputError(
+        in.file(), in.pointer(),
+        "needs exactly one of \"error\", \"truth_error\", \"reference\", \"counter\", \"seconds\" and \"count\"");
   figure.selection = read_selection(in);
   in.finish();
   return figure;

@@ -16,7 +16,15 @@ struct Value {
 
 std::optional<double> found(const std::map<std::string, double>& values, const std::string& name) {
   const auto it = values.find(name);
-  return it == values.end() ? std::nullopt : std::optional(it->second);
+  if (it == values.end()) return std::nullopt;
+  return name == "mean_error" ? std::abs(it->second) : it->second;
+}
+
+std::optional<double> reference(const RecordReference& r, const std::string& name) {
+  const double value = name == "certified_max"              ? r.certified_max
+                       : name == "certified_relative_error" ? r.certified_relative_error
+                                                            : r.truth_standard_error;
+  return value > 0 ? std::optional(value) : std::nullopt;  // 0: there was none
 }
 
 std::optional<double> counter(const Record& r, const std::string& name) {
@@ -27,8 +35,8 @@ std::optional<double> counter(const Record& r, const std::string& name) {
 }
 
 std::optional<double> seconds(const Record& r, const std::string& name) {
-  if (name == "prepare") return r.seconds.prepare.median;
-  if (name == "render") return r.seconds.render.median;
+  if (name == "prepare") return r.seconds.prepare.min;
+  if (name == "render") return r.seconds.render.min;
   const auto it = r.seconds.edits.find(name.substr(name.find('.') + 1));
   return it == r.seconds.edits.end() ? std::nullopt : std::optional(it->second.total);
 }
@@ -39,6 +47,8 @@ std::optional<double> value_of(const Figure& figure, const Record& r) {
       return found(r.error, figure.name);
     case Figure::Kind::truth_error:
       return r.truth_error ? found(*r.truth_error, figure.name) : std::nullopt;
+    case Figure::Kind::reference:
+      return reference(r.reference, figure.name);
     case Figure::Kind::counter:
       return counter(r, figure.name);
     case Figure::Kind::seconds:
@@ -72,6 +82,13 @@ std::vector<Value> counted(const Gate& gate, const std::vector<Record>& records)
   return selected > 0 ? std::vector{sum} : std::vector<Value>{};
 }
 
+/// The same scene and material, and of the same technique the same settings, unless the divisor names its own.
+bool is_divisor(const Record& above, const Record& below, const Figure& divided_by) {
+  return above.scene == below.scene && above.material == below.material &&
+         (above.technique != below.technique || above.settings == below.settings ||
+          !divided_by.selection.settings.empty());
+}
+
 std::vector<Value> values_of(const Gate& gate, const std::vector<Record>& records) {
   if (gate.figure.kind == Figure::Kind::count) return counted(gate, records);
   std::vector<Value> values;
@@ -81,7 +98,7 @@ std::vector<Value> values_of(const Gate& gate, const std::vector<Record>& record
       continue;
     }
     for (const auto& [below, divisor] : values_of(*gate.divided_by, records))
-      if (below->scene == above->scene && below->material == above->material)
+      if (is_divisor(*above, *below, *gate.divided_by))
         values.push_back({value / divisor, above->name() + " by " + below->name()});
   }
   return values;

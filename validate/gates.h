@@ -1,4 +1,4 @@
-// Gates: figures of a run that a continuous integration holds to limits. gates/gates.md says what a file of them may
+// Gates: figures of a run that a continuous integration holds to limits. validate.md says what a file of them may
 // hold; absolute times are refused, because they are of the machine and not of the program.
 #pragma once
 
@@ -21,9 +21,11 @@ bool selects(const RecordSelection& selection, const Record& record);
 
 /// One number of each selected record.
 struct Figure {
-  enum class Kind { error, truth_error, counter, seconds, count };
+  enum class Kind { error, truth_error, reference, counter, seconds, count };
   Kind kind = Kind::error;
-  /// A metric; "done.NAME" or "skipped.NAME"; "prepare", "render", or "edit.EDIT"; a status ("failed": how many).
+  /// A metric (of mean_error the magnitude counts); "certified_relative_error", "certified_max" or
+  /// "truth_standard_error"; "done.NAME" or "skipped.NAME"; "prepare", "render" (the least of their runs, which other
+  /// work disturbs least), or "edit.EDIT"; a status ("failed": how many).
   std::string name;
   RecordSelection selection;
 };
@@ -31,7 +33,9 @@ struct Figure {
 struct Gate {
   std::string name;
   Figure figure;
-  std::optional<Figure> divided_by;  ///< of the records with the same scene and material
+  /// Of the records with the same scene and material; of the same technique, with the same settings as well, unless it
+  /// names settings.
+  std::optional<Figure> divided_by;
   double limit = 0;
   bool upper = true;  ///< value <= limit, else value >= limit
 };

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <ctime>
+#include <stdexcept>
 
 namespace opaline {
 namespace {
@@ -25,6 +26,12 @@ std::string utc_now() {
   std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &utc);
   return text;
 }
+
+/// Settings that this backend or scene doesn't take, as preparing finds out.
+class NotApplicable : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// Why the cell cannot be measured, or empty.
 std::string not_applicable(const MeasureContext& context, const Cell& cell, const MeasuredScene& scene) {
@@ -91,7 +98,7 @@ void compare_with_references(const MeasureContext& context, const Cell& cell, co
   }
   const ReferenceImage& reference = scene.reference(profile_of(settings, context.suite));
   record.error = evaluate_metrics(compare_images(image, reference.image));
-  record.reference.settings = context.suite.reference;
+  record.reference.settings = reference.settings;
   record.reference.certified_relative_error = reference.relative_error;
   record.reference.certified_max = reference.max_error;
   record.reference.seconds = reference.seconds;
@@ -121,7 +128,11 @@ void measure_technique(const MeasureContext& context, const Cell& cell, Measured
   record.seconds.gbuffer = scene.shared->seconds.gbuffer;
   record.seconds.irradiance = cell.technique->needs_irradiance ? scene.shared->seconds.irradiance : 0;
   reset_peak_rss();
-  record.seconds.prepare = warm_times(plan, spent.technique, [&] { run.prepare(); });
+  try {
+    record.seconds.prepare = warm_times(plan, spent.technique, [&] { run.prepare(); });
+  } catch (const InputError& error) {
+    throw NotApplicable(error.what());
+  }
   record.seconds.render = warm_times(plan, spent.technique, [&] { run.render(); });
   record.peak_rss_bytes = peak_rss_bytes();
   set_counters(run, record);
@@ -175,9 +186,8 @@ void measure_cell(const MeasureContext& context, const Cell& cell, MeasuredScene
     if (!reason.empty()) return end(record, CellStatus::not_applicable, reason);
     cell.technique ? measure_technique(context, cell, scene, record, spent)
                    : measure_external(context, cell, scene, record, spent);
-  } catch (const InputError& error) {
-    // Settings that this backend or scene doesn't take.
-    end(record, cell.technique ? CellStatus::not_applicable : CellStatus::failed, error.what());
+  } catch (const NotApplicable& error) {
+    end(record, CellStatus::not_applicable, error.what());
   } catch (const std::exception& error) {
     end(record, CellStatus::failed, error.what());
   }

@@ -86,9 +86,14 @@ MeasuredScene::MeasuredScene(const Suite& suite, const SceneCase& c, const Shape
 
 ReferenceImage MeasuredScene::make(const std::string& name, const SettingValues& settings, const char* error_layer) {
   const Technique& technique = find_technique(name);
+  // Truth must not share its random numbers with what is measured against it.
+  std::uint64_t& seed = shared->settings.irradiance.seed;
+  const std::uint64_t measured_seed = seed;
+  if (technique.statistical) seed += 1'000'003;
   Stopwatch watch;
   const auto prepared = technique.prepare(*shared, Settings(technique.settings, settings));
   const Frame frame = prepared->render(shared->view);
+  seed = measured_seed;
   ReferenceImage made;
   made.image = shade(scene, shared->view, frame);
   const std::map<std::string, Image> layers = shade_layers(scene, shared->view, frame);
@@ -121,7 +126,8 @@ ReferenceImage MeasuredScene::find_or_make(const std::string& name, const Settin
                          known.at("error_file"),
                          known.at("relative_error"),
                          known.at("max_error"),
-                         known.at("seconds")};
+                         known.at("seconds"),
+                         {}};
     return found;
   }
   ReferenceImage made = make(name, settings, error_layer);
@@ -140,11 +146,15 @@ ReferenceImage MeasuredScene::find_or_make(const std::string& name, const Settin
 }
 
 const ReferenceImage& MeasuredScene::reference(const std::string& profile) {
-  const auto known = references_.find(profile);
-  if (known != references_.end()) return known->second;
   SettingValues settings = suite_.reference;
   if (!profile.empty()) settings["profile"] = profile;
-  return references_[profile] = find_or_make("hierarchical", settings, "bound");
+  // Named even where it is the default, so that both ways of asking find the same image.
+  settings["profile"] = Settings(find_technique("hierarchical").settings, settings).word("profile");
+  const auto known = references_.find(settings["profile"]);
+  if (known != references_.end()) return known->second;
+  ReferenceImage& made = references_[settings["profile"]] = find_or_make("hierarchical", settings, "bound");
+  made.settings = settings;
+  return made;
 }
 
 const ReferenceImage* MeasuredScene::truth() {

@@ -18,6 +18,7 @@ struct ReferenceImage {
   std::string error_file;                    ///< of its "bound" or "variance", relative as well
   double relative_error = 0, max_error = 0;  ///< RMS of bound or standard error / RMS of the image; largest bound
   double seconds = 0;
+  SettingValues settings;  ///< of the hierarchical reference
 };
 
 class MeasuredScene {

@@ -19,13 +19,13 @@ std::vector<CostPoint> cost_points(const std::vector<Record>& records, const std
   return points;
 }
 
-std::vector<CostPoint> pareto_front(std::vector<CostPoint> points) {
+std::vector<CostPoint> pareto_front(std::vector<CostPoint> points, double least_gain) {
   std::stable_sort(points.begin(), points.end(), [](const CostPoint& a, const CostPoint& b) {
     return a.seconds != b.seconds ? a.seconds < b.seconds : a.error < b.error;
   });
   std::vector<CostPoint> front;
   for (const CostPoint& point : points)
-    if (front.empty() || point.error < front.back().error) front.push_back(point);
+    if (front.empty() || point.error < (1 - least_gain) * front.back().error) front.push_back(point);
   return front;
 }
 

@@ -22,8 +22,9 @@ struct CostPoint {
 std::vector<CostPoint> cost_points(const std::vector<Record>& records, const std::string& metric);
 
 /// The points that no other beats: none is at once as fast and as accurate, and better in one of the two. By ascending
-/// seconds, with falling error; of equal points the first.
-std::vector<CostPoint> pareto_front(std::vector<CostPoint> points);
+/// seconds, with falling error; of equal points the first. With least_gain > 0 a slower point must have an error below
+/// (1 - least_gain) times that of the one before it: what differs less is the same.
+std::vector<CostPoint> pareto_front(std::vector<CostPoint> points, double least_gain = 0);
 
 /// The fastest point whose error is at most the limit, or null.
 const CostPoint* cheapest_under(const std::vector<CostPoint>& front, double max_error);

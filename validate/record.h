@@ -72,7 +72,7 @@ struct Record {
   std::uint64_t film_pixels = 0;                 ///< width * height
   std::uint64_t samples = 0, light_samples = 0;  ///< surface cells; directions of each towards extended lights
   CellStatus status = CellStatus::done;
-  std::string reason;  ///< of a cell that is not applicable or failed
+  std::string reason;  ///< of a cell that is not applicable or failed; of a done one without `error`, why there is none
   RecordSeconds seconds;
   std::uint64_t peak_rss_bytes = 0;  ///< of the process by the end of the cell
   /// By metric name, against the hierarchical reference; empty unless done, or where no reference applies.

@@ -113,6 +113,21 @@ TEST(Gates, JudgeTheWorstSelectedRecord) {
   EXPECT_EQ(slow.outcome, GateResult::Outcome::failed);
 }
 
+TEST(Gates, DivideATechniqueByItselfWithTheSameSettings) {
+  std::vector<Record> records = {record("a", "x", 1, 0.1), record("a", "x", 1, 0.4), record("a", "x", 1, 0.1),
+                                 record("a", "x", 1, 0.4)};
+  records[0].settings = records[2].settings = {{"n", "8"}};
+  records[1].settings = records[3].settings = {{"n", "1"}};
+  records[2].backend = records[3].backend = "gpu";
+  json gate = {{"name", "twins"},
+               {"figure", {{"error", "relative_rmse"}, {"backend", "gpu"}}},
+               {"divided_by", {{"error", "relative_rmse"}, {"backend", "cpu"}}},
+               {"max", 1}};
+  EXPECT_EQ(outcome(gate, records).value, 1);
+  gate["divided_by"]["settings"] = {{"n", 8}};
+  EXPECT_EQ(outcome(gate, records).value, 4);
+}
+
 TEST(Gates, FailWithoutRecordsOrNumbersAndSkipWhatIsNotApplicable) {
   std::vector<Record> records = {record("a", "x", 1, std::numeric_limits<double>::infinity()), record("a", "y", 1, 1)};
   records[1].status = CellStatus::not_applicable;
@@ -150,9 +165,10 @@ TEST(Junit, CountsAndEscapes) {
   std::vector<Record> records = {record("a", "x", 1, 1), record("a", "y", 1, 1)};
   records[0].status = CellStatus::failed, records[0].reason = "a < b & \"c\"\x01";
   records[1].status = CellStatus::not_applicable;
-  const std::string xml = junit_xml(
-      "s", {{"g", GateResult::Outcome::failed, 2, 1, true, "here", "2 > 1"}, {"h", GateResult::Outcome::passed, 0, 1, true, "", ""}},
-      records);
+  const std::string xml = junit_xml("s",
+                                    {{"g", GateResult::Outcome::failed, 2, 1, true, "here", "2 > 1"},
+                                     {"h", GateResult::Outcome::passed, 0, 1, true, "", ""}},
+                                    records);
   EXPECT_THAT(xml,
               HasSubstr("<testsuite name=\"opaline.s.gates\" tests=\"2\" failures=\"1\" errors=\"0\" skipped=\"0\">"));
   EXPECT_THAT(xml,

@@ -9,7 +9,7 @@ namespace opaline::test {
 /// Two tiny scenes, the sum and the clusters on the processor.
 inline nlohmann::json tiny_suite() {
   nlohmann::json scene = valid_document();
-  scene["film"] = {{"width", 12}, {"height", 12}};
+  scene["film"] = {{"width", 10}, {"height", 10}};
   scene["camera"]["fov_y_deg"] = 11;
   nlohmann::json second = scene;
   second["lights"][0]["direction"] = {-1, 0, -1};
@@ -22,9 +22,9 @@ inline nlohmann::json tiny_suite() {
           {"techniques", {"brute_force", "hierarchical"}},
           {"backends", {"cpu"}},
           {"sweeps", {{"hierarchical", {{{"max_relative_error", {"1e-1", "1e-3"}}}}}}},
-          {"samples", 200},
+          {"samples", 100},
           {"runs", 2},
-          {"max_seconds", 0.05}};
+          {"max_seconds", 0.02}};
 }
 
 inline RunSummary run_tiny(const TempFolder& folder, const nlohmann::json& suite = tiny_suite(), bool again = false) {

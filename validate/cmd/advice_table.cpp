@@ -12,7 +12,7 @@ std::string front_table(const std::vector<Record>& records) {
   std::string text = "\nworth having (first picture, relative RMSE):\n";
   for (const auto& [group, members] : groups) {
     text += group + "\n";
-    for (const CostPoint& point : pareto_front(cost_points(members, "relative_rmse"))) {
+    for (const CostPoint& point : pareto_front(cost_points(members, "relative_rmse"), 0.01)) {
       const Record& r = members[point.record];
       std::string settings;
       for (const auto& [key, value] : r.settings) settings += fmt::format(" {}={}", key, value);

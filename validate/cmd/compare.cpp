@@ -1,11 +1,11 @@
 #include "render/cmd/render_arguments.h"
 #include "render/input_error.h"
 #include "validate/cmd/commands.h"
+#include "validate/cmd/comparison_table.h"
 #include "validate/cmd/metric_limits.h"
 #include "validate/metrics/metric.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <cmath>
 #include <memory>
@@ -14,51 +14,12 @@
 namespace opaline {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 struct Arguments {
   std::string image, reference, mask, error_image;
   bool json = false, list = false;
   std::optional<double> max_rmse, max_relative_rmse;
   std::vector<std::string> max, min;
 };
-
-/// JSON has no infinity: null stands for the relative error against a black reference, or the PSNR of equal images.
-Json to_json(const Comparison& c) {
-  Json values = Json::object();
-  for (const Metric& metric : metrics()) {
-    if (!defined_for(metric, c)) continue;
-    const double value = metric.evaluate(c);
-    values[metric.name] = std::isfinite(value) ? Json(value) : Json();
-  }
-  return values;
-}
-
-void print_json(const Comparison& c) {
-  Json values = to_json(c);
-  for (std::size_t k = 0; k < c.channels.size(); ++k) values["per_channel"][c.channels[k]] = to_json(c.channel(k));
-  const Json json = {{"metrics", values},
-                     {"pixels", c.pixels.size()},
-                     {"pixels_left_out", c.pixels_left_out},
-                     {"coverage_mismatches", c.coverage_mismatches}};
-  fmt::print("{}\n", json.dump(2));
-}
-
-void print_table(const Comparison& c) {
-  fmt::print("{:<16}{:>12}", "metric", "all");
-  for (const std::string& channel : c.channels) fmt::print("{:>12}", channel);
-  fmt::print("\n");
-  for (const Metric& metric : metrics()) {
-    if (!defined_for(metric, c)) continue;
-    fmt::print("{:<16}{:>12.5g}", metric.name, metric.evaluate(c));
-    for (std::size_t k = 0; k < c.channels.size(); ++k) fmt::print("{:>12.5g}", metric.evaluate(c.channel(k)));
-    fmt::print("\n");
-  }
-  fmt::print("{} pixels compared, {} left out by the reference's alpha or the mask\n", c.pixels.size(),
-             c.pixels_left_out);
-  if (c.coverage_mismatches > 0)
-    fmt::print("{} pixels are covered in one image and not in the other\n", c.coverage_mismatches);
-}
 
 std::vector<MetricLimit> limits(const Arguments& a) {
   std::vector<MetricLimit> result;
@@ -81,7 +42,7 @@ void run(const Arguments& a) {
     throw InputError(fmt::format("{} against {}", a.image, a.reference), "", error.what());
   }
   if (!a.error_image.empty()) write_exr(a.error_image, difference_image(comparison));
-  a.json ? print_json(comparison) : print_table(comparison);
+  fmt::print("{}", a.json ? comparison_json(comparison) : comparison_table(comparison));
   if (!checked.empty()) check_metric_limits(evaluate_metrics(comparison), checked);
 }
 

@@ -23,7 +23,7 @@ std::string row(const Record& r) {
   const std::string what = fmt::format("  {} {} {}", r.technique, r.backend, settings_text(r));
   if (r.status != CellStatus::done) return fmt::format("{:<58} {}: {}\n", what, status_name(r.status), r.reason);
   const std::map<std::string, double> none;
-  return fmt::format("{:<58}{:>10.2f}{:>10.2f}{:>10}{:>8}{:>10}\n", what, 1e3 * r.seconds.prepare.median,
+  return fmt::format("{:<58}{:>10.2f}{:>10.2f}{:>11}{:>11}{:>11}\n", what, 1e3 * r.seconds.prepare.median,
                      1e3 * r.seconds.render.median, value_or_dash(r.error, "relative_rmse"),
                      value_or_dash(r.error, "flip"),
                      value_or_dash(r.truth_error ? *r.truth_error : none, "relative_rmse"));
@@ -41,9 +41,9 @@ std::string run_table(const RunSummary& summary) {
   for (const Record& r : summary.records) {
     if (const std::string g = r.scene + ", " + r.material; g != group) {
       group = g;
-      text += fmt::format("{}{:<58}{:>10}{:>10}{:>10}{:>8}{:>10}\n", text.empty() ? "" : "\n", group, "prepare",
+      text += fmt::format("{}{:<58}{:>10}{:>10}{:>11}{:>11}{:>11}\n", text.empty() ? "" : "\n", group, "prepare",
                           "render", "rel.", "FLIP", "to truth");
-      text += fmt::format("{:<58}{:>10}{:>10}{:>10}{:>8}{:>10}\n", "", "ms", "ms", "RMSE", "", "rel. RMSE");
+      text += fmt::format("{:<58}{:>10}{:>10}{:>11}{:>11}{:>11}\n", "", "ms", "ms", "RMSE", "", "rel. RMSE");
     }
     text += row(r);
   }
