@@ -57,13 +57,13 @@ void Buffer::read_bytes(void* out) const {
   context_.check_errors();
 }
 
-Texture2D::Texture2D(const Context& context, int width, int height, Format format, const float* data)
+Texture2D::Texture2D(const Context& context, int width, int height, Format format, const float* data, Sampling sampling)
     : context_(context), width_(width), height_(height), format_(format) {
   const GladGLContext& gl = context.use();
   gl.GenTextures(1, &id_);
   gl.BindTexture(GL_TEXTURE_2D, id_);
   gl.TexStorage2D(GL_TEXTURE_2D, 1, layout_of(format).internal, width, height);
-  set_sampling(gl, GL_TEXTURE_2D, GL_NEAREST);
+  set_sampling(gl, GL_TEXTURE_2D, sampling == Sampling::linear ? GL_LINEAR : GL_NEAREST);
   if (format == Format::depth32f) {
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);

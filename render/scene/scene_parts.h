@@ -22,7 +22,10 @@ Camera read_camera(JsonObject json, const SceneContext& context);
 Light read_light(JsonObject json, const SceneContext& context);
 
 /// Materials of the "materials" key, in the order of their names.
-std::vector<Material> read_materials(JsonObject& root);
+std::vector<Material> read_materials(JsonObject& root, const SceneContext& context);
+
+/// The texture that an object of the document describes: "image", "wrap", "filter". Checks that its values are finite.
+SurfaceTexture read_surface_texture(JsonObject& json, const SceneContext& context);
 
 /// Index of the material the object names; a library material is appended on first use.
 int find_or_add_material(JsonObject& object, std::vector<Material>& materials);

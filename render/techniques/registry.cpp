@@ -4,6 +4,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
+
 namespace opaline {
 
 #define OPALINE_ROW(name) Technique name##_technique();
@@ -17,6 +19,18 @@ const std::vector<Technique>& techniques() {
 #undef OPALINE_ROW
   };
   return all;
+}
+
+std::string why_not_applicable(const Technique& technique, const Scene& scene) {
+  const auto takes = [&](MaterialKind kind) {
+    return std::find(technique.materials.begin(), technique.materials.end(), kind) != technique.materials.end();
+  };
+  for (const Object& object : scene.objects) {
+    const Material& material = scene.materials[static_cast<std::size_t>(object.material)];
+    if (material.textured() && !takes(MaterialKind::textured))
+      return fmt::format("material '{}' has maps, and it takes one coefficient for all of a surface", material.name);
+  }
+  return technique.not_applicable(scene);
 }
 
 const Technique& find_technique(const std::string& name) {
