@@ -32,6 +32,7 @@ void add_commands(CLI::App& app) {
   add_render_command(app, shapes);
   add_fit_command(app, shapes);
   add_compare_command(app);
+  add_depth_texture_command(app);
 }
 
 /// CLI11 would call a misspelt command an unexpected argument.

@@ -11,6 +11,9 @@ namespace opaline {
 /// Adds `render`: one image of a scene by one technique. The shapes must outlive the app.
 void add_render_command(CLI::App& app, const ShapeLibrary& shapes);
 
+/// Adds `depth-texture`: how deep layers lie below a surface, from their meshes.
+void add_depth_texture_command(CLI::App& app);
+
 /// Adds `compare`: error metrics of an image against a reference.
 void add_compare_command(CLI::App& app);
 

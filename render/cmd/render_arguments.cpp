@@ -24,8 +24,7 @@ std::string describe(const SettingSpec& setting) {
 
 std::string materials_of(const Technique& technique) {
   std::vector<std::string> names;
-  for (const MaterialKind kind : technique.materials)
-    names.emplace_back(kind == MaterialKind::textured ? "textured" : "homogeneous");
+  for (const MaterialKind kind : technique.materials) names.push_back(name_of(kind));
   return join_names(names);
 }
 

@@ -76,7 +76,24 @@ void check_maps(const Material& m, const JsonObject& json) {
                    "in a channel");
 }
 
+/// Layers stand in place of the coefficients.
+Material read_layered_material(const std::string& name, JsonObject& json, const SceneContext& context) {
+  for (const char* other : {"library", "sigma_a_per_mm", "sigma_s_prime_per_mm", "g"})
+    if (json.has(other)) json.fail(other, "does not go with \"layers\", which have coefficients of their own");
+  Material material;
+  material.name = name;
+  material.eta = json.number_or("eta", Range::positive(), 1);
+  material.layers = read_layers(json.object("layers"), context);
+  json.finish();
+  const SubsurfaceLayer& first = material.layers->layers.front();
+  material.sigma_a = first.sigma_t - first.sigma_s;
+  material.g = first.g;
+  material.sigma_s_prime = (1 - first.g) * first.sigma_s;
+  return material;
+}
+
 Material read_material(const std::string& name, JsonObject& json, const SceneContext& context) {
+  if (json.has("layers")) return read_layered_material(name, json, context);
   const bool has_base = json.has("library");
   Material material = has_base ? library_base(json) : Material{};
   material.name = name;

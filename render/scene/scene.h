@@ -4,6 +4,7 @@
 
 #include "model/conventions.h"
 #include "render/image.h"
+#include "render/scene/layered_medium.h"
 #include "render/scene/material_map.h"
 #include "render/scene/mesh.h"
 #include "render/scene/shapes.h"
@@ -68,7 +69,9 @@ struct Material {
   std::shared_ptr<const MaterialMap> sigma_a_map = nullptr, sigma_s_prime_map = nullptr;
 
   Medium<double> channel(int c) const { return {sigma_a[c], sigma_s_prime[c], eta}; }
-  bool needs_uvs() const { return textured(); }
+  /// Null, or layers below the surface; the coefficients above are then those of the first layer.
+  std::shared_ptr<const LayeredMedium> layers = nullptr;
+  bool needs_uvs() const { return textured() || layers; }
   bool textured() const { return sigma_a_map || sigma_s_prime_map; }
   /// The homogeneous material of a place on the surface.
   Material at(const glm::vec2& uv) const;

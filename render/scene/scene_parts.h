@@ -18,6 +18,9 @@ struct SceneContext {
   std::string resolve(const std::string& relative) const { return (folder / relative).string(); }
 };
 
+/// The "layers" of a material.
+std::shared_ptr<const LayeredMedium> read_layers(JsonObject json, const SceneContext& context);
+
 Camera read_camera(JsonObject json, const SceneContext& context);
 Light read_light(JsonObject json, const SceneContext& context);
 

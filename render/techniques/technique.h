@@ -29,8 +29,10 @@ struct InvalidatedBy {
   bool camera = false, light = false, material = false, geometry = false;
 };
 
-/// What the materials of a scene are made of: the same all over, or with maps over the surface.
-enum class MaterialKind { homogeneous, textured };
+/// What the materials of a scene are made of: the same all over, with maps over the surface, or of layers below it.
+enum class MaterialKind { homogeneous, textured, layered };
+MaterialKind kind_of(const Material& material);
+std::string name_of(MaterialKind kind);
 
 /// Everything per visible point of the view. Either `exitance` or `radiance` is filled, the other is empty.
 struct Frame {
@@ -40,6 +42,7 @@ struct Frame {
   /// What else the technique knows of its result, by name, in the units of what it returns; beside
   /// exitance it gets the same exit lobe. Names in use:
   ///   variance  beside radiance: squared standard error of each value [radiance^2]
+  ///   error     estimate of the error of each value: what the last refinement changed
   ///   bound     no value is further than this from what the technique approximates
   std::map<std::string, std::vector<glm::vec3>> images;
 };

@@ -73,8 +73,8 @@ constexpr const char* fast_render = "render scene.json --technique hierarchical 
 TEST_F(Cli, HelpOfEveryCommandHasAnExample) {
   std::map<std::string, std::future<Ending>> endings;  // starting up takes longest: side by side
   for (const std::string command : {"profile", "profile list", "material", "material list", "material show", "dataset",
-                                    "dataset list", "dataset make", "render", "compare", "fit", "transport",
-                                    "transport walk", "transport table", "transport errors"})
+                                    "dataset list", "dataset make", "render", "compare", "depth-texture", "fit",
+                                    "transport", "transport walk", "transport table", "transport errors"})
     endings[command] = std::async(std::launch::async, [this, command] { return run(command + " --help"); });
   for (auto& [command, ending] : endings) {
     SCOPED_TRACE(command);

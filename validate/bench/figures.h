@@ -62,4 +62,7 @@ std::vector<Figure> path_figures(const SceneChoice& choice);
 /// Of image_space_sampling: figures and tables, on scenes of its own; `runs` is all that counts of the choice.
 void print_image_space_figures(const SceneChoice& choice);
 
+/// Of subsurface_texture on the layered datasets; `runs` is all that counts of the choice.
+void print_subsurface_figures(const SceneChoice& choice);
+
 }  // namespace opaline::bench
