@@ -82,6 +82,8 @@ Technique subsurface_texture_technique() {
       .not_applicable = texture_mapping_not_applicable,
       .prepare = prepare,
       .needs_irradiance = false,
+      .prepare_gpu = prepare_subsurface_texture_gl,
+      .twin_tolerance = 1e-4,
       .materials = {MaterialKind::layered}};
 }
 

@@ -53,12 +53,10 @@ float phase(int layer, vec3 w_i, vec3 w_o) {
   return (1.0 - g) * (1.0 + g) / (4.0 * pi * (phase_of[layer].y > 0.0 ? d * d : e * sqrt(e)));
 }
 
-float mean_transmittance(float delta) {
-  if (abs(delta) > 0.02) return (1.0 - exp(-delta)) / delta;
-  return 1.0 - delta * (0.5 - delta * (1.0 / 6.0 - delta / 24.0));
-}
-vec3 mean_transmittance(vec3 d) {
-  return vec3(mean_transmittance(d.x), mean_transmittance(d.y), mean_transmittance(d.z));
+// Mean of e^-x over a way on which it goes from e0 to e1, x growing by delta.
+float mean_between(float e0, float e1, float delta) {
+  if (abs(delta) > 0.02) return (e0 - e1) / delta;
+  return e0 * (1.0 - delta * (0.5 - delta * (1.0 / 6.0 - delta / 24.0)));
 }
 
 int layer_at(float below[layers]) {
@@ -149,8 +147,10 @@ void main() {
               Arrival x = to[l], y = from[l];
               if (from[l].lit) x = from[l];
               if (to[l].lit) y = to[l];
-              vec3 change = y.tau - x.tau;
-              vec3 mean = exp(-(tau + x.tau + t0 * change)) * mean_transmittance(fade + (t1 - t0) * change);
+              vec3 change = y.tau - x.tau, delta = fade + (t1 - t0) * change;
+              vec3 e0 = exp(-(tau + x.tau + t0 * change)), e1 = exp(-(tau + fade + x.tau + t1 * change));
+              vec3 mean = vec3(mean_between(e0.x, e1.x, delta.x), mean_between(e0.y, e1.y, delta.y),
+                               mean_between(e0.z, e1.z, delta.z));
               float weight = (from[l].lit && to[l].lit ? 0.5 : 0.25) * part;
               sum += weight * (phase(layer, x.w_i, p.w_o) * x.power + phase(layer, y.w_i, p.w_o) * y.power) *
                      sigma_s[layer] * mean;

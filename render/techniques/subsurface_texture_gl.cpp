@@ -143,12 +143,12 @@ class GlMapping : public PreparedTechnique {
   void draw(std::size_t o, const PointImages& images, const Texture2D& out) const {
     const gl::Program& program = *programs_[o];
     std::vector<std::unique_ptr<Texture2D>> fields;
-    int unit = 0;
-    for (int f = 0; f < 6; ++f) {
-      fields.push_back(
-          std::make_unique<Texture2D>(context_, row, images.height, Format::rgba32f, images.fields[f].data()));
-      fields.back()->bind(static_cast<unsigned>(unit));
-      program.set(field_names[f], unit++);
+    for (const std::vector<float>& field : images.fields)
+      fields.push_back(std::make_unique<Texture2D>(context_, row, images.height, Format::rgba32f, field.data()));
+    int unit = 0;  // making a texture binds it to whatever unit was last in use: so all are made before
+    for (const char* name : field_names) {
+      fields[static_cast<std::size_t>(unit)]->bind(static_cast<unsigned>(unit));
+      program.set(name, unit++);
     }
     for (std::size_t j = 0; j < textures_[o].size(); ++j) {
       textures_[o][j]->bind(static_cast<unsigned>(unit));
