@@ -36,6 +36,7 @@ void add_commands(CLI::App& app) {
   add_compare_command(app);
   add_validate_command(app, shapes);
   add_report_command(app);
+  add_depth_texture_command(app);
 }
 
 /// CLI11 would call a misspelt command an unexpected argument.

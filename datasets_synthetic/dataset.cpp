@@ -38,10 +38,13 @@ void make_paths_absolute(nlohmann::json& scene, const std::string& path) {
   const fs::path folder = fs::absolute(path).parent_path();
   const auto anchor = [&](nlohmann::json& list, const char* key) {
     for (nlohmann::json& item : list)
-      if (item.contains(key)) item[key] = (folder / item[key].get<std::string>()).lexically_normal().string();
+      if (item.is_object() && item.contains(key))
+        item[key] = (folder / item[key].get<std::string>()).lexically_normal().string();
   };
   anchor(scene["objects"], "mesh");
   anchor(scene["lights"], "image");
+  if (!scene.contains("materials")) return;
+  for (auto& [name, material] : scene["materials"].items()) anchor(material, "image");
 }
 
 /// Index of the recipe's material among the scene's own, where some object must have it.

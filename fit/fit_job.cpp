@@ -45,6 +45,10 @@ int fitted_material(const Scene& scene, const std::string& name) {
   if (!name.empty() && found < 0) throw InputError(scene.path, "--material", unknown_choice("material", name, used));
   if (name.empty() && used.size() > 1)
     throw InputError(scene.path, "", "has several materials; choose one with --material: " + join_names(used));
+  for (const Object& object : scene.objects)
+    if (const Material& m = scene.materials[static_cast<std::size_t>(object.material)]; m.textured() || m.layers)
+      throw InputError(scene.path, "",
+                       "material \"" + m.name + "\" has maps or layers; a fit needs homogeneous materials");
   return found;
 }
 

@@ -27,7 +27,7 @@ const Technique& checked_technique(const RenderOptions& options) {
 }
 
 void check_applicable(const Technique& technique, const Scene& scene) {
-  const std::string reason = technique.not_applicable(scene);
+  const std::string reason = why_not_applicable(technique, scene);
   if (reason.empty()) return;
   throw InputError(scene.path, "", fmt::format("technique '{}' cannot render this scene: {}", technique.name, reason));
 }

@@ -1,5 +1,6 @@
 #include "datasets_synthetic/dataset.h"
 #include "datasets_synthetic/cmd/commands.h"
+#include "datasets_synthetic/layered/layered_datasets.h"
 #include "render/cmd/render_arguments.h"
 
 #include <fmt/format.h>
@@ -26,6 +27,10 @@ void list_recipes(bool as_json) {
                     {"technique", r.technique}});
     if (!as_json) fmt::print("{:<20} {}\n", r.name, r.summary);
   }
+  for (const LayeredDataset& d : layered_datasets()) {
+    rows.push_back({{"name", d.name}, {"summary", d.summary}, {"layered", true}});
+    if (!as_json) fmt::print("{:<20} {} (layers: scene and depths, nothing to fit)\n", d.name, d.summary);
+  }
   if (as_json) fmt::print("{}\n", rows.dump(2));
 }
 
@@ -39,6 +44,7 @@ struct Arguments {
 };
 
 void make(const Arguments& a, const ShapeLibrary& shapes) {
+  if (const LayeredDataset* layered = find_layered_dataset(a.recipe)) return write_layered_dataset(*layered, a.out);
   Recipe recipe = find_recipe(a.recipe);
   if (a.size) recipe.scene["film"] = {{"width", *a.size}, {"height", *a.size}};
   recipe.noise_relative = a.noise.value_or(recipe.noise_relative);

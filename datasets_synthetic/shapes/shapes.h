@@ -57,6 +57,12 @@ Mesh make_teapot(double height, int triangles = 20000);
 /// about 0.7 s for 60000 triangles, and hardly less for fewer.
 Mesh make_bust(double height, int triangles = 60000);
 
+// --- fish {"length"} -----------------------------------------------------------------------------
+/// Along x from -length / 2 (end of the tail) to length / 2 (nose), back towards +y, symmetric in z, near y = 0 at its
+/// middle. Thin tail, dorsal and anal fins: the tail is 1.7 % of the length thick in its middle. One closed part of
+/// genus 0, of rings round the axis.
+Mesh make_fish(double length, int triangles = 4000);
+
 /// A place on the bust's left ear (x > 0) where it is a thin plate: what to light from behind.
 struct EarPlate {
   glm::dvec3 centre;  ///< middle of the plate

@@ -12,4 +12,7 @@ namespace opaline {
 /// may be left to it (--max-error, --budget).
 void add_render_command(CLI::App& app, const ShapeLibrary& shapes, const TechniqueChooser& chooser = {});
 
+/// Adds `depth-texture`: how deep layers lie below a surface, from their meshes.
+void add_depth_texture_command(CLI::App& app);
+
 }  // namespace opaline

@@ -22,9 +22,16 @@ std::string describe(const SettingSpec& setting) {
   return fmt::format("    --set {}={}\n        {} ({})\n", setting.key, setting.fallback, setting.meaning, valid);
 }
 
+std::string materials_of(const Technique& technique) {
+  std::vector<std::string> names;
+  for (const MaterialKind kind : technique.materials) names.push_back(name_of(kind));
+  return join_names(names);
+}
+
 std::string describe(const Technique& technique) {
-  std::string text = fmt::format("{}: {}\n    {}\n    backends: {}; limits: {}\n", technique.name, technique.summary,
-                                 technique.citation, join_names(technique.backends), technique.limits);
+  std::string text =
+      fmt::format("{}: {}\n    {}\n    backends: {}; materials: {}; limits: {}\n", technique.name, technique.summary,
+                  technique.citation, join_names(technique.backends), materials_of(technique), technique.limits);
   for (const SettingSpec& setting : technique.settings) text += describe(setting);
   return text;
 }

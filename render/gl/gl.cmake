@@ -5,6 +5,7 @@ target_sources(opaline_render PRIVATE
   gl/platform_egl.cpp
   gl/platform_osmesa.cpp
   gl/program.cpp
+  gl/profile_family.cpp
   gl/profile_texture.cpp
   gl/resources.cpp
   gl/shadow_irradiance.cpp

@@ -22,11 +22,15 @@ PixelLayout layout_of(Format format) {
   }
 }
 
-void set_sampling(const GladGLContext& gl, GLenum target, GLint filter) {
+GLint wrap_mode(Wrap wrap) {
+  return wrap == Wrap::repeat ? GL_REPEAT : wrap == Wrap::mirror ? GL_MIRRORED_REPEAT : GL_CLAMP_TO_EDGE;
+}
+
+void set_sampling(const GladGLContext& gl, GLenum target, GLint filter, Wrap wrap = Wrap::clamp) {
   gl.TexParameteri(target, GL_TEXTURE_MIN_FILTER, filter);
   gl.TexParameteri(target, GL_TEXTURE_MAG_FILTER, filter);
-  gl.TexParameteri(target, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  gl.TexParameteri(target, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  gl.TexParameteri(target, GL_TEXTURE_WRAP_S, wrap_mode(wrap));
+  gl.TexParameteri(target, GL_TEXTURE_WRAP_T, wrap_mode(wrap));
 }
 
 }  // namespace
@@ -57,13 +61,14 @@ void Buffer::read_bytes(void* out) const {
   context_.check_errors();
 }
 
-Texture2D::Texture2D(const Context& context, int width, int height, Format format, const float* data)
+Texture2D::Texture2D(const Context& context, int width, int height, Format format, const float* data, Sampling sampling,
+                     Wrap wrap)
     : context_(context), width_(width), height_(height), format_(format) {
   const GladGLContext& gl = context.use();
   gl.GenTextures(1, &id_);
   gl.BindTexture(GL_TEXTURE_2D, id_);
   gl.TexStorage2D(GL_TEXTURE_2D, 1, layout_of(format).internal, width, height);
-  set_sampling(gl, GL_TEXTURE_2D, GL_NEAREST);
+  set_sampling(gl, GL_TEXTURE_2D, sampling == Sampling::linear ? GL_LINEAR : GL_NEAREST, wrap);
   if (format == Format::depth32f) {
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);

@@ -44,10 +44,16 @@ enum class Format { r32f, rgba32f, depth32f };
 /// Number of floats a texel has.
 int channels_of(Format format);
 
-/// A two-dimensional float texture: nearest texel, clamped to the edge. A depth texture compares (sampler2DShadow).
+/// What a sampler finds between texel centres.
+enum class Sampling { nearest, linear };
+/// What a sampler finds outside.
+enum class Wrap { clamp, repeat, mirror };
+
+/// A two-dimensional float texture. A depth texture compares (sampler2DShadow).
 class Texture2D {
  public:
-  Texture2D(const Context& context, int width, int height, Format format, const float* data = nullptr);
+  Texture2D(const Context& context, int width, int height, Format format, const float* data = nullptr,
+            Sampling sampling = Sampling::nearest, Wrap wrap = Wrap::clamp);
   ~Texture2D();
   Texture2D(const Texture2D&) = delete;
   Texture2D& operator=(const Texture2D&) = delete;

@@ -3,6 +3,7 @@
 #include "render/image_space/sample_gather.h"
 #include "render/image_space/shadow_edges.h"
 #include "render/input_error.h"
+#include "render/scene/texture_coordinates.h"
 #include "render/techniques/gather_technique.h"
 
 #include <tbb/blocked_range.h>
@@ -15,12 +16,37 @@ namespace {
 
 using Uniform = ImageSpaceSettings::Uniform;
 
+/// The profiles of one point of a textured object.
+class OwnProfiles {
+ public:
+  OwnProfiles(const ProfileInfo& info, const Material& here) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      const Medium<double> medium = here.channel(static_cast<int>(c));
+      for (std::size_t b = 0; b < c && !use[c]; ++b)
+        if (here.sigma_a[static_cast<int>(b)] == medium.sigma_a &&
+            here.sigma_s_prime[static_cast<int>(b)] == medium.sigma_s_prime)
+          use[c] = use[b];
+      if (use[c]) continue;
+      made_[c] = info.make(medium);
+      use[c] = made_[c].get();
+    }
+  }
+  const Profile* use[3] = {};
+
+ private:
+  std::unique_ptr<Profile> made_[3];
+};
+
 /// The points of one object, summed in parallel.
 class ObjectGather {
  public:
-  ObjectGather(const ImageSpaceObject& object, const ImageSpaceSettings& settings, const GBuffer& view,
-               const ViewIrradiance& irradiance, std::vector<IrradianceMap> maps)
-      : object_(object),
+  ObjectGather(const Object& mesh, const Material& material, const ImageSpaceObject& object,
+               const ImageSpaceSettings& settings, const GBuffer& view, const ViewIrradiance& irradiance,
+               std::vector<IrradianceMap> maps)
+      : mesh_(mesh.mesh),
+        material_(material),
+        profile_(*find_profile(settings.profile)),
+        object_(object),
         settings_(settings),
         view_(view),
         irradiance_(irradiance),
@@ -30,43 +56,72 @@ class ObjectGather {
   void run(const std::vector<std::uint32_t>& indices, Frame& frame) {
     std::mutex mutex;
     tbb::parallel_for(tbb::blocked_range<std::size_t>(0, indices.size(), 256), [&](const auto& range) {
-      GatherResult counts;
-      std::uint64_t with_uniform = 0;
-      for (std::size_t k = range.begin(); k != range.end(); ++k) {
-        const std::uint32_t i = indices[k];
-        with_uniform += combined_[i];
-        frame.exitance[i] = exitance(view_.points[i], combined_[i] ? object_.combined : object_.importance, counts);
-      }
+      PointCounts counts;
+      for (std::size_t k = range.begin(); k != range.end(); ++k)
+        frame.exitance[indices[k]] = exitance(view_.points[indices[k]], combined_[indices[k]], counts);
       const std::scoped_lock lock(mutex);
-      add_counts(counts, range.size(), with_uniform, frame.counters);
+      add_counts(counts, range.size(), frame.counters);
     });
   }
 
  private:
-  glm::vec3 exitance(const VisiblePoint& p, const SampleSets& sets, GatherResult& counts) const {
+  struct PointCounts {
+    GatherResult samples;
+    std::uint64_t with_uniform = 0, own_profiles = 0;
+  };
+
+  glm::vec3 exitance(const VisiblePoint& p, bool combined, PointCounts& counts) const {
+    counts.with_uniform += combined;
+    if (!object_.textured) return exitance(p, combined, object_.materials[0], nullptr, counts);
+    const Material here = material_.at(uv_at(mesh_, p.triangle, p.position));
+    const SampledMaterial& nearest = object_.materials[nearest_material(object_.materials, here)];
+    if (here.sigma_a == nearest.material.sigma_a && here.sigma_s_prime == nearest.material.sigma_s_prime)
+      return exitance(p, combined, nearest, nullptr, counts);
+    ++counts.own_profiles;
+    const OwnProfiles own(profile_, here);
+    return exitance(p, combined, nearest, own.use, counts);
+  }
+
+  /// own: profiles in place of those that the sets follow, or null.
+  glm::vec3 exitance(const VisiblePoint& p, bool combined, const SampledMaterial& material, const Profile* const* own,
+                     PointCounts& counts) const {
+    const SampleSets& sets = combined ? material.combined : material.importance;
     const SampleSet& set =
         sets.of_pixel(static_cast<int>(p.pixel) % view_.width, static_cast<int>(p.pixel) / view_.width);
     GatherResult result;
-    gather_samples({maps_, object_.profiles.sum(), sets.density, settings_.jacobian, settings_.only_valid,
-                    static_cast<float>(settings_.min_plane_cosine)},
-                   set, p.position, p.normal, result);
-    counts.met += result.met, counts.lit += result.lit, counts.looked_up += result.looked_up;
-    return exitance_of(object_, settings_, irradiance_, result.sums, result.valid);
+    SampleGather gather{maps_,
+                        material.profiles.sum(),
+                        sets.density,
+                        settings_.jacobian,
+                        settings_.only_valid,
+                        static_cast<float>(settings_.min_plane_cosine)};
+    if (own) std::copy_n(own, 3, gather.own);
+    gather_samples(gather, set, p.position, p.normal, result);
+    GatherResult& all = counts.samples;
+    all.met += result.met, all.lit += result.lit, all.looked_up += result.looked_up;
+    return exitance_of(material, settings_, irradiance_, result.sums, result.valid);
   }
 
-  void add_counts(const GatherResult& counts, std::size_t points, std::uint64_t with_uniform,
-                  Counters& counters) const {
+  void add_counts(const PointCounts& all, std::size_t points, Counters& counters) const {
+    const GatherResult& counts = all.samples;
     std::uint64_t views = 0;
     for (const IrradianceMap& map : maps_) views += map.lit;
     const std::uint64_t samples = points * views * static_cast<std::uint64_t>(settings_.samples);
     counters.done["samples"] += samples;
     counters.done["samples_looked_up"] += counts.looked_up;
-    counters.done["points_with_uniform_set"] += with_uniform;
+    counters.done["points_with_uniform_set"] += all.with_uniform;
+    if (object_.textured) {
+      counters.done["points_with_own_profile"] += all.own_profiles;
+      counters.skipped["own_profiles_of_representatives"] += points - all.own_profiles;
+    }
     counters.skipped["samples_off_object"] += samples - counts.met;
     counters.skipped["samples_unlit"] += counts.met - counts.lit;
-    counters.skipped["uniform_sets_far_from_shadow_edges"] += points - with_uniform;
+    counters.skipped["uniform_sets_far_from_shadow_edges"] += points - all.with_uniform;
   }
 
+  const Mesh& mesh_;
+  const Material& material_;
+  const ProfileInfo& profile_;
   const ImageSpaceObject& object_;
   const ImageSpaceSettings& settings_;
   const GBuffer& view_;
@@ -84,14 +139,33 @@ int whole_number(const Settings& settings, const std::string& key) {
 
 }  // namespace
 
-glm::vec3 exitance_of(const ImageSpaceObject& object, const ImageSpaceSettings& settings,
+void count_object(const ImageSpaceObject& object, Counters& counters) {
+  // Where every point has its own profile, channels are never known to be equal beforehand.
+  const int channels = object.textured ? 3 : object.materials[0].profiles.distinct();
+  counters.done["channels"] += static_cast<std::uint64_t>(channels);
+  counters.skipped["equal_channels"] += static_cast<std::uint64_t>(3 - channels);
+  if (object.textured) counters.done["representative_materials"] += object.materials.size();
+  for (const SampledMaterial& m : object.materials)
+    counters.skipped["samples_without_weight"] += m.importance.without_weight + m.combined.without_weight;
+}
+
+ViewIrradiance in_colour(const ViewIrradiance& irradiance) {
+  if (irradiance.channels == 3) return irradiance;
+  ViewIrradiance out{3, Rgb(1), {}};
+  out.values.reserve(3 * irradiance.values.size());
+  for (const float e : irradiance.values)
+    for (int c = 0; c < 3; ++c) out.values.push_back(e * static_cast<float>(irradiance.colour[c]));
+  return out;
+}
+
+glm::vec3 exitance_of(const SampledMaterial& material, const ImageSpaceSettings& settings,
                       const ViewIrradiance& irradiance, const float* sums, const float* valid) {
   glm::vec3 b;
   for (int c = 0; c < 3; ++c) {
-    const int table = object.profiles.sum().table_of[c];
+    const int table = material.profiles.sum().table_of[c];
     b[c] = sums[irradiance.channels == 1 ? table : c] * static_cast<float>(irradiance.colour[c]);
     if (settings.only_valid && valid[table] > 0)
-      b[c] *= static_cast<float>(object.profiles.profile(c).total()) / valid[table];
+      b[c] *= static_cast<float>(material.profiles.profile(c).total()) / valid[table];
   }
   return b;
 }
@@ -161,17 +235,20 @@ std::vector<ImageSpaceObject> image_space_objects(const Scene& scene, const Imag
   std::vector<ImageSpaceObject> objects;
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const Object& object = scene.objects[i];
+    const Material& material = scene.materials[static_cast<std::size_t>(object.material)];
     const double r_max = 1.01 * diameter(object.mesh);
-    ImageSpaceObject o{ChannelProfiles(*find_profile(settings.profile),
-                                       scene.materials[static_cast<std::size_t>(object.material)], r_max),
-                       {},
-                       {},
-                       0};
-    o.disc_radius = disc_radius(o.profiles, settings.disc_flux, r_max);
-    SampleSettings set{settings.samples, settings.pattern, 0, o.disc_radius, seed + 0x51ed270b * i};
-    if (settings.uniform != Uniform::always) o.importance = make_sample_sets(o.profiles, set);
-    set.uniform_share = settings.uniform_share;
-    if (settings.uniform != Uniform::never) o.combined = make_sample_sets(o.profiles, set);
+    ImageSpaceObject o;
+    o.textured = material.textured();
+    for (const Material& one : representative_materials(object, material)) {
+      SampledMaterial sampled{one, ChannelProfiles(*find_profile(settings.profile), one, r_max), {}, {}};
+      const double disc = disc_radius(sampled.profiles, settings.disc_flux, r_max);
+      SampleSettings set{settings.samples, settings.pattern, 0, disc, seed + 0x51ed270b * i};
+      if (settings.uniform != Uniform::always) sampled.importance = make_sample_sets(sampled.profiles, set);
+      set.uniform_share = settings.uniform_share;
+      if (settings.uniform != Uniform::never) sampled.combined = make_sample_sets(sampled.profiles, set);
+      o.disc_radius = std::max(o.disc_radius, disc);
+      o.materials.push_back(std::move(sampled));
+    }
     objects.push_back(std::move(o));
   }
   return objects;
@@ -185,15 +262,17 @@ Frame gather_image_space(const Scene& scene, const std::vector<ImageSpaceObject>
   for (std::size_t i = 0; i < objects.size(); ++i) {
     const std::vector<std::uint32_t> indices = points_of_object(view, static_cast<int>(i)).indices;
     if (indices.empty()) continue;
-    std::vector<IrradianceMap> maps = {
-        make_irradiance_map(scene, view, irradiance, static_cast<int>(i), settings.jacobian)};
+    const Object& object = scene.objects[i];
+    const auto light = [&](const ViewIrradiance& e) { return objects[i].textured ? in_colour(e) : e; };
+    const ViewIrradiance own = light(irradiance);
+    std::vector<IrradianceMap> maps = {make_irradiance_map(scene, view, own, static_cast<int>(i), settings.jacobian)};
     for (const LitView& other : others)
-      maps.push_back(make_irradiance_map(scene, other.view, other.irradiance, static_cast<int>(i), settings.jacobian));
-    ObjectGather(objects[i], settings, view, irradiance, std::move(maps)).run(indices, frame);
-    frame.counters.done["channels"] += static_cast<std::uint64_t>(objects[i].profiles.distinct());
-    frame.counters.skipped["equal_channels"] += 3 - static_cast<std::uint64_t>(objects[i].profiles.distinct());
-    frame.counters.skipped["samples_without_weight"] +=
-        objects[i].importance.without_weight + objects[i].combined.without_weight;
+      maps.push_back(
+          make_irradiance_map(scene, other.view, light(other.irradiance), static_cast<int>(i), settings.jacobian));
+    ObjectGather(object, scene.materials[static_cast<std::size_t>(object.material)], objects[i], settings, view, own,
+                 std::move(maps))
+        .run(indices, frame);
+    count_object(objects[i], frame.counters);
   }
   return frame;
 }

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "render/image_space/irradiance_map.h"
-#include "render/image_space/sample_set.h"
+#include "render/image_space/sampled_material.h"
 #include "render/techniques/technique.h"
 
 #include <vector>
@@ -31,9 +31,9 @@ ImageSpaceSettings read_image_space_settings(const Settings& settings);
 
 /// One object's profiles and sample sets.
 struct ImageSpaceObject {
-  ChannelProfiles profiles;
-  SampleSets importance, combined;  ///< without and with the uniform set; combined is empty for uniform=never
-  double disc_radius = 0;           ///< [mm]
+  std::vector<SampledMaterial> materials;  ///< of a textured object its representatives
+  double disc_radius = 0;                  ///< the largest of them [mm]
+  bool textured = false;
 };
 std::vector<ImageSpaceObject> image_space_objects(const Scene& scene, const ImageSpaceSettings& settings,
                                                   std::uint64_t seed);
@@ -44,9 +44,15 @@ struct LitView {
   ViewIrradiance irradiance;
 };
 
+/// Adds what is done and spared once per object.
+void count_object(const ImageSpaceObject& object, Counters& counters);
+
+/// The irradiance with three channels, whatever it has: what the points of a textured object are summed against.
+ViewIrradiance in_colour(const ViewIrradiance& irradiance);
+
 /// B from what the samples of a point summed to (per distinct profile, or per channel of a coloured irradiance) and
 /// from the shares of those that met the object (used with normalise=valid).
-glm::vec3 exitance_of(const ImageSpaceObject& object, const ImageSpaceSettings& settings,
+glm::vec3 exitance_of(const SampledMaterial& material, const ImageSpaceSettings& settings,
                       const ViewIrradiance& irradiance, const float* sums, const float* valid);
 
 /// Which points of the view get the object's combined set: one byte each.

@@ -238,6 +238,20 @@ HWY_INLINE V view_weight(const Reader<Lookup>& reader, std::size_t own, const Lo
   return hn::IfThenElse(hn::Gt(sum, set(0)), hn::Div(mine, hn::Max(sum, set(1e-37f))), set(0));
 }
 
+/// The point's own profiles at squared distances, where there is light.
+HWY_INLINE void own_values(const Profile* const* own, V r2, Mask lit, V (&value)[3]) {
+  constexpr std::size_t lanes = hn::MaxLanes(d);
+  HWY_ALIGN float at[lanes], out[3][lanes] = {};
+  hn::Store(hn::IfThenElse(lit, r2, set(-1)), d, at);
+  for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
+    if (at[lane] < 0) continue;
+    const double r = std::sqrt(static_cast<double>(at[lane]));
+    for (int c = 0; c < 3; ++c)
+      out[c][lane] = c > 0 && own[c] == own[c - 1] ? out[c - 1][lane] : static_cast<float>(own[c]->evaluate(r));
+  }
+  for (int c = 0; c < 3; ++c) value[c] = hn::Load(d, out[c]);
+}
+
 HWY_INLINE float total(V sum) { return hn::GetLane(hn::SumOfLanes(d, sum)); }
 
 /// Tables: distinct profiles against one irradiance channel; 0: three channels, each with its table.
@@ -275,7 +289,11 @@ HWY_INLINE void gather_view(const Reader<Lookup>& reader, const SampleSet& set_o
     V factor = hn::IfThenElseZero(lit, hn::Mul(weight, f.per_g));
     if (g.views.size() > 1) factor = hn::IfThenElseZero(lit, hn::Mul(factor, view_weight(reader, view, locals, f)));
     V profile[sums];
-    reader.values(tables, r2, profile);
+    bool own = false;
+    if constexpr (Tables == 0) own = g.own[0] != nullptr;
+    if constexpr (Tables == 0)
+      if (own) own_values(g.own, r2, lit, profile);
+    if (!own) reader.values(tables, r2, profile);
     for (int s = 0; s < sums; ++s) sum[s] = hn::MulAdd(hn::Mul(factor, light[s]), profile[s], sum[s]);
   }
   for (int s = 0; s < sums; ++s) result.sums[s] += total(sum[s]);

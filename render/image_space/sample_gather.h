@@ -32,6 +32,9 @@ struct SampleGather {
   bool jacobian = true;        ///< the maps are weighted
   bool count_valid = false;    ///< fill `valid`
   float min_plane_cosine = 0;  ///< see turned_to; 0: the tangent plane itself
+  /// The profiles of the point's own material per channel, where it isn't the one that the sets follow: read in place
+  /// of the tables, slower. Needs three irradiance channels. Equal channels may share one.
+  const Profile* own[3] = {};
 };
 
 struct GatherResult {

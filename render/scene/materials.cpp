@@ -3,6 +3,7 @@
 #include "render/input_error.h"
 #include "render/scene/scene_parts.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace opaline {
@@ -38,17 +39,74 @@ Material library_base(JsonObject& json) {
   return from_library(*row);
 }
 
-Material read_material(const std::string& name, JsonObject& json) {
+using Map = std::shared_ptr<const MaterialMap>;
+
+Map read_map(JsonObject json, const SceneContext& context) {
+  auto map = std::make_shared<MaterialMap>();
+  map->texture = read_surface_texture(json, context);
+  if (json.has("scale")) map->scale = json.rgb("scale", Range::non_negative());
+  json.finish();
+  const Image& image = *map->texture.image;
+  const int channels = image.channel_count();
+  const bool coloured = channels >= 3 && image.channel("R") == 0 && image.channel("G") == 1 && image.channel("B") == 2;
+  if (channels != 1 && !coloured) json.fail("image", "needs the channels R, G and B, or just one for all three");
+  if (glm::any(glm::lessThan(map->smallest(), Rgb(0)))) json.fail("image", "has values below 0");
+  return map;
+}
+
+/// A coefficient: three numbers, one, or a map.
+void read_coefficient(JsonObject& json, const std::string& key, const SceneContext& context, Rgb& value, Map& map) {
+  if (json.raw(key).is_object()) {
+    map = read_map(json.object(key), context);
+    value = map->mean();
+  } else {
+    map = nullptr;
+    value = json.rgb(key, Range::non_negative());
+  }
+}
+
+/// Every place of a textured surface is a medium.
+void check_maps(const Material& m, const JsonObject& json) {
+  if (!m.textured()) return;
+  const Rgb least = (m.sigma_a_map ? m.sigma_a_map->smallest() : m.sigma_a) +
+                    (m.sigma_s_prime_map ? m.sigma_s_prime_map->smallest() : m.sigma_s_prime);
+  if (std::min({least.r, least.g, least.b}) > 0) return;
+  throw InputError(json.file(), json.pointer(),
+                   "the smallest sigma_a_per_mm and the smallest sigma_s_prime_per_mm of its images must not both be 0 "
+                   "in a channel");
+}
+
+/// Layers stand in place of the coefficients.
+Material read_layered_material(const std::string& name, JsonObject& json, const SceneContext& context) {
+  for (const char* other : {"library", "sigma_a_per_mm", "sigma_s_prime_per_mm", "g"})
+    if (json.has(other)) json.fail(other, "does not go with \"layers\", which have coefficients of their own");
+  Material material;
+  material.name = name;
+  material.eta = json.number_or("eta", Range::positive(), 1);
+  material.layers = read_layers(json.object("layers"), context);
+  json.finish();
+  const SubsurfaceLayer& first = material.layers->layers.front();
+  material.sigma_a = first.sigma_t - first.sigma_s;
+  material.g = first.g;
+  material.sigma_s_prime = (1 - first.g) * first.sigma_s;
+  return material;
+}
+
+Material read_material(const std::string& name, JsonObject& json, const SceneContext& context) {
+  if (json.has("layers")) return read_layered_material(name, json, context);
   const bool has_base = json.has("library");
   Material material = has_base ? library_base(json) : Material{};
   material.name = name;
   const auto wanted = [&](const char* key) { return json.has(key) || !has_base; };
-  if (wanted("sigma_a_per_mm")) material.sigma_a = json.rgb("sigma_a_per_mm", Range::non_negative());
-  if (wanted("sigma_s_prime_per_mm")) material.sigma_s_prime = json.rgb("sigma_s_prime_per_mm", Range::non_negative());
+  if (wanted("sigma_a_per_mm"))
+    read_coefficient(json, "sigma_a_per_mm", context, material.sigma_a, material.sigma_a_map);
+  if (wanted("sigma_s_prime_per_mm"))
+    read_coefficient(json, "sigma_s_prime_per_mm", context, material.sigma_s_prime, material.sigma_s_prime_map);
   if (wanted("eta")) material.eta = json.number("eta", Range::positive());
   material.g = json.number_or("g", {-1, 1, true, true}, 0);
   json.finish();
   check_material(material, json.file(), json.pointer());
+  check_maps(material, json);
   return material;
 }
 
@@ -78,10 +136,33 @@ int index_of(const std::vector<Material>& materials, const std::string& name) {
 
 }  // namespace
 
-std::vector<Material> read_materials(JsonObject& root) {
+Material Material::at(const glm::vec2& uv) const {
+  Material here = *this;
+  if (sigma_a_map) here.sigma_a = sigma_a_map->at(uv);
+  if (sigma_s_prime_map) here.sigma_s_prime = sigma_s_prime_map->at(uv);
+  here.sigma_a_map = here.sigma_s_prime_map = nullptr;
+  return here;
+}
+
+SurfaceTexture read_surface_texture(JsonObject& json, const SceneContext& context) {
+  using Wrap = SurfaceTexture::Wrap;
+  SurfaceTexture texture;
+  texture.path = context.resolve(json.text("image"));
+  const std::string wrap = json.choice_or("wrap", {"repeat", "clamp", "mirror"}, "repeat");
+  texture.wrap = wrap == "clamp" ? Wrap::clamp : wrap == "mirror" ? Wrap::mirror : Wrap::repeat;
+  const bool nearest = json.choice_or("filter", {"bilinear", "nearest"}, "bilinear") == "nearest";
+  texture.filter = nearest ? SurfaceTexture::Filter::nearest : SurfaceTexture::Filter::bilinear;
+  texture.image = load_for_key(json, "image", [&] { return std::make_shared<const Image>(read_image(texture.path)); });
+  const auto bad =
+      std::count_if(texture.image->data.begin(), texture.image->data.end(), [](float v) { return !std::isfinite(v); });
+  if (bad > 0) json.fail("image", std::to_string(bad) + " of its values are NaN or infinite");
+  return texture;
+}
+
+std::vector<Material> read_materials(JsonObject& root, const SceneContext& context) {
   std::vector<Material> materials;
   if (!root.has("materials")) return materials;
-  for (auto& [name, json] : root.members("materials")) materials.push_back(read_material(name, json));
+  for (auto& [name, json] : root.members("materials")) materials.push_back(read_material(name, json, context));
   return materials;
 }
 

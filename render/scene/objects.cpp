@@ -1,7 +1,9 @@
 #include "render/choices.h"
 #include "render/input_error.h"
 #include "render/scene/scene_parts.h"
+#include "render/scene/texture_coordinates.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace opaline {
@@ -52,6 +54,33 @@ Mesh make_shape(JsonObject& json, const ShapeLibrary& shapes) {
   return it->second.make(json);
 }
 
+/// "texture_coordinates": those of the file, or made.
+enum class UvSource { any, file, planar, cylindrical, spherical };
+
+UvSource read_uv_source(JsonObject& json) {
+  const std::vector<std::string> words = {"any", "file", "planar", "cylindrical", "spherical"};
+  if (!json.has("texture_coordinates")) return UvSource::any;
+  const std::string word = json.choice("texture_coordinates", {words.begin() + 1, words.end()});
+  return static_cast<UvSource>(std::find(words.begin(), words.end(), word) - words.begin());
+}
+
+/// Coordinates where they are asked for or needed. Shapes have none of their own: theirs are planar unless said.
+void give_texture_coordinates(UvSource source, bool is_shape, const Material& material, const std::string& file,
+                              Mesh& mesh) {
+  if (source == UvSource::any && !material.needs_uvs()) return;
+  if (source == UvSource::any && is_shape && mesh.uvs.empty()) source = UvSource::planar;
+  if (source == UvSource::any || source == UvSource::file) {
+    if (!mesh.uvs.empty()) return;
+    throw InputError(file, "",
+                     "has no texture coordinates, which material \"" + material.name +
+                         "\" needs; add them to the mesh, or set \"texture_coordinates\" to \"planar\", "
+                         "\"cylindrical\" or \"spherical\"");
+  }
+  make_texture_coordinates(mesh, source == UvSource::planar        ? UvProjection::planar
+                                 : source == UvSource::cylindrical ? UvProjection::cylindrical
+                                                                   : UvProjection::spherical);
+}
+
 /// The key that says where the surface comes from: exactly one of the two.
 std::string source_key(JsonObject& json) {
   const bool mesh = json.has("mesh"), shape = json.has("shape");
@@ -73,11 +102,14 @@ Object read_object(JsonObject json, const SceneContext& context, std::vector<Mat
   object.material = find_or_add_material(json, materials);
   const Transform transform = json.has("transform") ? read_transform(json.object("transform")) : Transform{};
   const bool drop = json.choice_or("zero_area_triangles", {"reject", "drop"}, "reject") == "drop";
+  const UvSource uvs = read_uv_source(json);
   if (key == "shape") object.mesh = make_shape(json, context.shapes);
   json.finish();
   const std::string file = key == "mesh" ? context.resolve(object.name) : object.name;
   load_for_key(json, key, [&] {
     if (key == "mesh") object.mesh = load_mesh(file);
+    give_texture_coordinates(uvs, key == "shape", materials[static_cast<std::size_t>(object.material)], file,
+                             object.mesh);
     apply(transform, context.mm_per_unit, object.mesh);
     dropped += validate_mesh(object.mesh, drop ? ZeroAreaTriangles::drop : ZeroAreaTriangles::reject, file, "");
   });

@@ -87,7 +87,7 @@ Scene parse_scene(const nlohmann::json& document, const std::string& path, const
   scene.path = path;
   scene.film = read_film(root.object("film"));
   scene.camera = read_camera(root.object("camera"), context);
-  scene.materials = read_materials(root);
+  scene.materials = read_materials(root, context);
   read_lights(root, context, scene);
   read_objects(root, context, scene);
   return scene;

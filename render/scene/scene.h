@@ -4,6 +4,8 @@
 
 #include "model/conventions.h"
 #include "render/image.h"
+#include "render/scene/layered_medium.h"
+#include "render/scene/material_map.h"
 #include "render/scene/mesh.h"
 #include "render/scene/shapes.h"
 
@@ -60,10 +62,19 @@ using Light = std::variant<DirectionalLight, PointLight, EnvironmentLight, Proje
 /// Coefficients per RGB channel [1/mm]; g is the mean scattering cosine, eta inside/outside.
 struct Material {
   std::string name;
-  Rgb sigma_a{0}, sigma_s_prime{1};
-  double g = 0;    ///< -1 < g < 1; techniques that use sigma_s take sigma_s' / (1 - g)
-  double eta = 1;  ///< > 0
+  Rgb sigma_a{0}, sigma_s_prime{1};  ///< the mean over the image where there is a map
+  double g = 0;                      ///< -1 < g < 1; techniques that use sigma_s take sigma_s' / (1 - g)
+  double eta = 1;                    ///< > 0
+  /// Null, or the coefficient over the surface; objects of such a material have texture coordinates.
+  std::shared_ptr<const MaterialMap> sigma_a_map = nullptr, sigma_s_prime_map = nullptr;
+
   Medium<double> channel(int c) const { return {sigma_a[c], sigma_s_prime[c], eta}; }
+  /// Null, or layers below the surface; the coefficients above are then those of the first layer.
+  std::shared_ptr<const LayeredMedium> layers = nullptr;
+  bool needs_uvs() const { return textured() || layers; }
+  bool textured() const { return sigma_a_map || sigma_s_prime_map; }
+  /// The homogeneous material of a place on the surface.
+  Material at(const glm::vec2& uv) const;
 };
 
 struct Object {

@@ -18,11 +18,17 @@ struct SceneContext {
   std::string resolve(const std::string& relative) const { return (folder / relative).string(); }
 };
 
+/// The "layers" of a material.
+std::shared_ptr<const LayeredMedium> read_layers(JsonObject json, const SceneContext& context);
+
 Camera read_camera(JsonObject json, const SceneContext& context);
 Light read_light(JsonObject json, const SceneContext& context);
 
 /// Materials of the "materials" key, in the order of their names.
-std::vector<Material> read_materials(JsonObject& root);
+std::vector<Material> read_materials(JsonObject& root, const SceneContext& context);
+
+/// The texture that an object of the document describes: "image", "wrap", "filter". Checks that its values are finite.
+SurfaceTexture read_surface_texture(JsonObject& json, const SceneContext& context);
 
 /// Index of the material the object names; a library material is appended on first use.
 int find_or_add_material(JsonObject& object, std::vector<Material>& materials);

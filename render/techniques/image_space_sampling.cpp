@@ -69,7 +69,8 @@ Technique image_space_sampling_technique() {
           .needs_irradiance = false,
           .only_visible = true,
           .prepare_gpu = prepare_image_space_sampling_gl,
-          .twin_tolerance = 5e-4};
+          .twin_tolerance = 5e-4,
+          .materials = {MaterialKind::homogeneous, MaterialKind::textured}};
 }
 
 }  // namespace opaline

@@ -1,16 +1,18 @@
 // One pixel: its sample set on a plane through its point, projected into the irradiance image and summed. The twin of
 // render/image_space/sample_gather.cpp; places are camera coordinates, see render/image_space/projection.h.
 // Given before this text, as constants, because software renderers run both sides of every branch:
-//   bool perspective, coloured, jacobian, count_valid
+//   bool perspective, coloured, jacobian, count_valid, textured
 layout(location = 0) out vec4 sums;   // per distinct profile, or per channel of a coloured irradiance
 layout(location = 1) out vec4 valid;  // shares of the samples that met the object
 
 uniform sampler2D texels;         // depth, its slopes, E G of the first channel; < 0: off the object
 uniform sampler2D more_light;     // E G of the other two channels
-uniform sampler2D points;         // place; which set: 0 importance, 1 combined, < 0: not a point of the object
+uniform sampler2D points;         // place; which sets: 2 representative + (1 if combined), < 0: not a point of the object
 uniform sampler2D normals;
 uniform sampler2D sample_places;  // u, v, weight; a row per set
 uniform sampler2D sample_shares;
+uniform sampler2D scales;         // textured: s of each channel
+uniform sampler2D family_places;  // textured: where the texture of all profiles holds each channel's
 
 uniform vec3 film;  // scale, cx, cy
 uniform ivec2 size, corner;
@@ -39,6 +41,8 @@ void main() {
   ivec2 cell = (here + corner) % pattern;
   int row = (int(point.w) * pattern + cell.y) * pattern + cell.x;
   ivec3 table = ivec3(tables);
+  vec3 scale = vec3(0), family = vec3(0);
+  if (textured) scale = texelFetch(scales, here, 0).xyz, family = texelFetch(family_places, here, 0).xyz;
 
   for (int i = 0; i < samples; ++i) {
     vec3 place = texelFetch(sample_places, ivec2(i, row), 0).xyz;
@@ -58,8 +62,11 @@ void main() {
     vec3 p = perspective ? vec3(slope, 1.0) * (1.0 / depth) : vec3(slope, depth);
     float per_d = inversesqrt(dot(t, t));
     float per_g = !jacobian ? 1.0 : facing * (perspective ? per_d * per_d * per_d : 1.0);
-    vec3 r = profile(dot(p - x, p - x));
-    if (coloured) r = vec3(r[table.x], r[table.y], r[table.z]);
+    float r2 = dot(p - x, p - x);
+    vec3 r = textured ? vec3(family_profile(r2, scale.x, family.x), family_profile(r2, scale.y, family.y),
+                             family_profile(r2, scale.z, family.z))
+                      : profile(r2);
+    if (coloured && !textured) r = vec3(r[table.x], r[table.y], r[table.z]);
     sums.rgb += place.z * per_g * light * r;
   }
 }

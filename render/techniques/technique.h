@@ -29,6 +29,11 @@ struct InvalidatedBy {
   bool camera = false, light = false, material = false, geometry = false;
 };
 
+/// What the materials of a scene are made of: the same all over, with maps over the surface, or of layers below it.
+enum class MaterialKind { homogeneous, textured, layered };
+MaterialKind kind_of(const Material& material);
+std::string name_of(MaterialKind kind);
+
 /// Everything per visible point of the view. Either `exitance` or `radiance` is filled, the other is empty.
 struct Frame {
   std::vector<glm::vec3> exitance;  ///< B [irradiance]
@@ -37,6 +42,7 @@ struct Frame {
   /// What else the technique knows of its result, by name, in the units of what it returns; beside
   /// exitance it gets the same exit lobe. Names in use:
   ///   variance  beside radiance: squared standard error of each value [radiance^2]
+  ///   error     estimate of the error of each value: what the last refinement changed
   ///   bound     no value is further than this from what the technique approximates
   std::map<std::string, std::vector<glm::vec3>> images;
   /// What it knows of the whole result, by name. In use:
@@ -57,7 +63,7 @@ struct Technique {
   std::string limits;                 ///< what it needs and what it cannot do
   std::vector<SettingSpec> settings;
   InvalidatedBy invalidated_by;
-  /// Empty if it can render the scene, else the reason why not.
+  /// Empty if it can render the scene's shapes and lights, else the reason why not.
   std::string (*not_applicable)(const Scene& scene);
   /// The shared scene must outlive the result.
   std::unique_ptr<PreparedTechnique> (*prepare)(const SharedScene& shared, const Settings& settings);
@@ -72,7 +78,13 @@ struct Technique {
                                                     const gl::Context& context) = nullptr;
   /// Most that the twins differ, fed the same scene and view: RMS of the difference over the RMS of the value.
   double twin_tolerance = 0;
+  /// The materials it can render.
+  std::vector<MaterialKind> materials = {MaterialKind::homogeneous};
 };
+
+/// Empty if the technique can render the scene with these materials, else the reason why not: what to ask, as it
+/// includes the technique's own not_applicable.
+std::string why_not_applicable(const Technique& technique, const Scene& scene);
 
 /// All registered techniques, in the order of CMakeLists.txt.
 const std::vector<Technique>& techniques();

@@ -74,7 +74,7 @@ TEST_F(Cli, HelpOfEveryCommandHasAnExample) {
   std::map<std::string, std::future<Ending>> endings;  // starting up takes longest: side by side
   for (const std::string command : {"profile", "profile list", "material", "material list", "material show", "dataset",
                                     "dataset list", "dataset make", "render", "compare", "validate", "fit", "transport",
-                                    "transport walk", "transport table", "transport errors", "report"})
+                                    "transport walk", "transport table", "transport errors", "report", "depth-texture"})
     endings[command] = std::async(std::launch::async, [this, command] { return run(command + " --help"); });
   for (auto& [command, ending] : endings) {
     SCOPED_TRACE(command);

@@ -47,6 +47,9 @@ const TempFolder& files() {
     folder.write("bunny.obj", test::tetrahedron_obj);
     write_exr(folder.file("sky.exr"), Image(4, 2, {"R", "G", "B"}));
     write_exr(folder.file("stripes.exr"), Image(4, 2, {"Y"}));
+    Image veins(4, 2, {"R", "G", "B"});
+    veins.data.assign(veins.data.size(), 0.5f);
+    write_png(folder.file("veins.png"), veins);
     return true;
   }();
   EXPECT_TRUE(written);
@@ -90,6 +93,12 @@ std::vector<json> good_documents() {
   with("/objects/0", R"({"mesh": "bunny.obj", "material": "wholemilk", "zero_area_triangles": "drop",
                          "transform": {"translate": [0,0,1], "rotate_deg": [1,2,3], "scale": [1,2,3]}})");
   with("/objects/0/transform", R"({"scale": 2})");
+  with("/materials/m1", R"({"layers": {"depth_textures": [{"image": "veins.png"}],
+                             "media": [{"sigma_s_per_mm": 1, "sigma_t_per_mm": [1,2,3]}]}})");
+  with("/objects/0/texture_coordinates", R"("cylindrical")");
+  with("/materials/m1/sigma_a_per_mm", R"({"image": "veins.png"})");
+  with("/materials/m1/sigma_a_per_mm",
+       R"({"image": "stripes.exr", "scale": [1,2,3], "wrap": "mirror", "filter": "nearest"})");
   json no_materials = document_without("/materials");
   no_materials["objects"][0]["material"] = "skin1";
   documents.push_back(no_materials);
@@ -193,6 +202,11 @@ std::vector<json> otherwise_bad_documents() {
           document_with("/objects/0/radios", 1),
           document_with("/objects/0", {{"mesh", "absent.obj"}, {"material", "m1"}}),
           document_with("/lights/0", {{"type", "environment"}, {"image", "absent.exr"}}),
+          document_with("/materials/m1/sigma_a_per_mm", {{"image", "absent.exr"}}),
+          document_with("/materials/m1", json::parse(R"({"layers": {"depth_textures": [{"image": "veins.png"}],
+                        "media": [{"sigma_s_per_mm": 2, "sigma_t_per_mm": 1}]}})")),
+          document_with("/materials/m1", json::parse(R"({"layers": {"depth_textures": [{"image": "stripes.exr"}],
+                        "media": [{"sigma_s_per_mm": 1, "sigma_t_per_mm": 1}, {"sigma_s_per_mm": 1, "sigma_t_per_mm": 1}]}})")),
           document_with("/materials/m1", {{"sigma_a_per_mm", 0}, {"sigma_s_prime_per_mm", 0}, {"eta", 1}})};
 }
 

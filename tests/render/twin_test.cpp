@@ -4,7 +4,7 @@
 #include "render/render_scene.h"
 #include "tests/render/scene_fixture.h"
 #include "tests/support/gl_fixture.h"
-#include "tests/support/render_fixture.h"
+#include "tests/support/layered_fixture.h"
 
 #include <gmock/gmock.h>
 
@@ -27,6 +27,16 @@ Scene twin_scene(const std::string& name) {
   return scene;
 }
 
+/// The same with layers under every surface, for techniques that take nothing else.
+Scene twin_scene(const std::string& name, const Technique& technique) {
+  Scene scene = twin_scene(name);
+  if (technique.materials.front() != MaterialKind::layered) return scene;
+  for (Object& object : scene.objects)
+    make_texture_coordinates(object.mesh, name == "sphere" ? UvProjection::spherical : UvProjection::planar);
+  for (Material& material : scene.materials) material = test::wavy_layers();
+  return scene;
+}
+
 std::vector<std::string> twins() {
   std::vector<std::string> names;
   for (const Technique& technique : techniques())
@@ -45,7 +55,7 @@ std::map<std::string, std::string> coarse(const Technique& technique, std::map<s
 class Twins : public testing::TestWithParam<std::tuple<std::string, std::string>> {
  protected:
   const Technique& technique_ = find_technique(std::get<0>(GetParam()));
-  const Scene scene_ = twin_scene(std::get<1>(GetParam()));
+  const Scene scene_ = twin_scene(std::get<1>(GetParam()), technique_);
 
   /// Does a backend refuse these settings?
   bool refused(const gl::Context& context, const std::map<std::string, std::string>& given) const {
@@ -66,9 +76,12 @@ class Twins : public testing::TestWithParam<std::tuple<std::string, std::string>
     const Settings settings(technique_.settings, coarse(technique_, given));
     const Frame cpu = technique_.prepare(shared, settings)->render(shared.view);
     const Frame gpu = technique_.prepare_gpu(shared, settings, context)->render(shared.view);
+    const std::vector<glm::vec3>&one = cpu.radiance.empty() ? cpu.exitance : cpu.radiance,
+          &other = cpu.radiance.empty() ? gpu.exitance : gpu.radiance;
+    EXPECT_EQ(one.size(), other.size());
     double squares = 0, norm = 0;
-    for (std::size_t i = 0; i < cpu.exitance.size(); ++i) {
-      const glm::dvec3 a(cpu.exitance[i]), d = glm::dvec3(gpu.exitance[i]) - a;
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      const glm::dvec3 a(one[i]), d = glm::dvec3(other[i]) - a;
       squares += glm::dot(d, d), norm += glm::dot(a, a);
     }
     return std::sqrt(squares / norm);

@@ -69,5 +69,7 @@ void print_image_space_figures(const SceneChoice& choice);
 /// Of layered_convolution on the same object at 800 x 800 pixels: figures, and tables of errors and of the skips'
 /// ratios.
 void print_layered_figures(const SceneChoice& choice);
+/// Of subsurface_texture on the layered datasets; `runs` is all that counts of the choice.
+void print_subsurface_figures(const SceneChoice& choice);
 
 }  // namespace opaline::bench

@@ -1,0 +1,89 @@
+#include "render/subsurface/texture_mapping.h"
+
+#include "render/visibility/convexity.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace opaline {
+namespace {
+
+const Material& material_of(const Scene& scene, const Object& object) {
+  return scene.materials[static_cast<std::size_t>(object.material)];
+}
+
+/// Equation 8, for the channel that reaches furthest through the first layer.
+double neighbourhood_radius(const LayerStack& stack, double epsilon, const Mesh& mesh) {
+  const glm::vec3& sigma_t = stack.sigma_t[0];
+  const auto least = static_cast<double>(std::min({sigma_t.x, sigma_t.y, sigma_t.z}));
+  glm::dvec3 lo(1e300), hi(-1e300);
+  for (const glm::vec3& p : mesh.positions) lo = glm::min(lo, glm::dvec3(p)), hi = glm::max(hi, glm::dvec3(p));
+  // A clear layer would take in all of the object.
+  return std::min(-std::log(epsilon) / std::max(least, 1e-30), glm::length(hi - lo));
+}
+
+}  // namespace
+
+std::vector<SettingSpec> texture_mapping_setting_specs() {
+  return {
+      {"samples_per_pixel", "50", "N, steps along the view ray", {}, 1, 1000, true},
+      {"march",
+       "pieces",
+       "light fades along a step as it does, layer by layer; or the sum of samples of the paper",
+       {"pieces", "paper"}},
+      {"epsilon", "0.05", "of the planes' neighbourhoods: what is left of light after their radius", {}, 1e-6, 0.9},
+      {"negligible", "1e-4", "transmittance at which a march ends; 0: it never does", {}, 0, 0.5},
+      {"shadows", "traced", "of lights, by one ray from the point seen; off: none, as in the paper", {"traced", "off"}},
+      {"reflection", "off", "light that the surface reflects, glossy", {"off", "on"}},
+      {"roughness", "0.3", "of that reflection", {}, 0.02, 1}};
+}
+
+TextureMappingSettings read_texture_mapping_settings(const Settings& settings) {
+  TextureMappingSettings s;
+  s.march.samples = static_cast<int>(settings.number("samples_per_pixel"));
+  s.march.by_pieces = settings.word("march") == "pieces";
+  s.march.negligible = static_cast<float>(settings.number("negligible"));
+  s.epsilon = settings.number("epsilon");
+  s.shadows = settings.word("shadows") == "traced";
+  s.reflection = settings.word("reflection") == "on";
+  s.roughness = static_cast<float>(settings.number("roughness"));
+  return s;
+}
+
+MappedScene make_mapped_scene(const Scene& scene, const TextureMappingSettings& settings) {
+  MappedScene mapped;
+  mapped.lights = march_lights(scene);
+  mapped.unshadowed = !settings.shadows || nothing_in_shadow(scene);
+  for (const Object& object : scene.objects) {
+    const Material& material = material_of(scene, object);
+    auto m = std::make_unique<MappedObject>();
+    m->medium = MarchMedium(*material.layers);
+    m->frames = make_surface_frames(object.mesh, neighbourhood_radius(m->medium.stack, settings.epsilon, object.mesh));
+    m->reflectance = reflectance_at_normal(material.eta);
+    Counters& c = mapped.counters;
+    c.done["plane_neighbours"] += m->frames.neighbours;
+    c.done["planes"] += object.mesh.positions.size() - m->frames.without_plane;
+    c.done["tangent_planes_in_place_of_fitted"] += m->frames.without_plane;
+    c.done["vertices_without_tangent_frame"] += m->frames.without_gradient;
+    c.skipped["empty_layers"] += static_cast<std::uint64_t>(material.layers->count() - m->medium.stack.count);
+    mapped.objects.push_back(std::move(m));
+  }
+  return mapped;
+}
+
+std::uint32_t MappedScene::visible(const SharedScene& shared, const VisiblePoint& p, MarchCounts& counts) const {
+  if (unshadowed) return ~0u;
+  const Mesh& mesh = shared.scene.objects[static_cast<std::size_t>(p.object)].mesh;
+  const glm::vec3 face = surface_point_at(mesh, p.triangle, p.position).face_normal;
+  return visible_lights(shared.rays, p, face, lights, counts.shadow_rays);
+}
+
+std::string texture_mapping_not_applicable(const Scene& scene) {
+  for (const Object& object : scene.objects)
+    if (!material_of(scene, object).layers)
+      return fmt::format("material '{}' has no layers", material_of(scene, object).name);
+  return march_not_applicable(scene);
+}
+
+}  // namespace opaline
