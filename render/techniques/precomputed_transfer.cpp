@@ -20,13 +20,10 @@ class PreparedTransfer : public PreparedTechnique {
       const TransferObject& object = transfer_.objects[i];
       const VertexExitance b = object.transfer.exitance(transfer_.lights(shared_, i), object.nodes, frame.counters);
       const PointPlaces points = places_of_object(shared_, transfer_, view, i);
-      for (std::size_t k = 0; k < points.indices.size(); ++k) {
-        const TransferVertices::Place& place = points.places[k];
-        for (int c = 0; c < 3; ++c)
-          for (int corner = 0; corner < 3; ++corner)
-            frame.exitance[points.indices[k]][c] +=
-                place.weight[corner] * b.channel[static_cast<std::size_t>(c)][place.corner[corner]];
-      }
+      for (std::size_t k = 0; k < points.indices.size(); ++k)
+        frame.exitance[points.indices[k]] = interpolated(points.places[k], [&](std::uint32_t v) {
+          return glm::vec3(b.channel[0][v], b.channel[1][v], b.channel[2][v]);
+        });
     }
     return frame;
   }
@@ -46,7 +43,7 @@ Technique precomputed_transfer_technique() {
   return {.name = "precomputed_transfer",
           .summary = "what vertices get from each of a set of light directions, precomputed; relit by interpolation",
           .citation = "Hao, Varshney 2004, \"Real-Time Rendering of Translucent Meshes\"",
-          .backends = {"cpu"},
+          .backends = {"cpu", "gpu"},
           .limits =
               "directional, point and environment lights, no projectors, no point light close to the object; exitance "
               "is interpolated between vertices; with lights=any an edit of the lights needs no new table",
@@ -54,7 +51,9 @@ Technique precomputed_transfer_technique() {
           .invalidated_by = {.camera = false, .light = true, .material = true, .geometry = true},
           .not_applicable = transfer_not_applicable,
           .prepare = prepare,
-          .needs_irradiance = false};
+          .needs_irradiance = false,
+          .prepare_gpu = prepare_transfer_gl,
+          .twin_tolerance = 2e-3};
 }
 
 }  // namespace opaline

@@ -2,6 +2,7 @@
 
 #include "model/check.h"
 #include "render/input_error.h"
+#include "render/transfer/transfer_file.h"
 #include "render/visibility/convexity.h"
 
 #include <algorithm>
@@ -58,6 +59,21 @@ std::vector<std::pair<std::uint32_t, glm::vec3>> seen_points(const GBuffer& view
   return points;
 }
 
+/// Everything that the values of an object's table depend on.
+std::uint64_t table_key(const Scene& scene, const TransferSettings& s, const TransferWork& work,
+                        const std::vector<std::uint32_t>& keys) {
+  TransferKey key;
+  for (const Object& object : scene.objects)  // all of them cast shadows
+    key.add(object.mesh.positions).add(object.mesh.normals).add(object.mesh.triangles);
+  for (int c = 0; c < 3; ++c)
+    key.add_number(work.profiles.profile(c).evaluate(0)).add_number(work.profiles.profile(c).total());
+  key.add_text(s.profile).add_number(work.eta).add_number(s.max_relative_error).add_number(s.discs);
+  key.add_number(s.directions).add_number(s.distances).add_number(work.columns.vectors);
+  key.add_number(static_cast<double>(work.elements.points.size()));
+  key.add(std::vector<glm::vec3>(work.positions.begin(), work.positions.end())).add(keys);
+  return key.value();
+}
+
 EncodedTransfer encode(TransferTable table, const TransferNodes& nodes, const TransferVertices& vertices,
                        const TransferSettings& s) {
   if (s.form == TransferForm::harmonics) return encode_harmonics(table, nodes, s.order);
@@ -72,7 +88,8 @@ EncodedTransfer encode(TransferTable table, const TransferNodes& nodes, const Tr
 }  // namespace
 
 TransferTable make_object_table(const SharedScene& shared, const TransferSettings& s, std::size_t i,
-                                const TransferNodes& nodes, TransferVertices& vertices, Counters& counters) {
+                                const TransferNodes& nodes, TransferVertices& vertices, Counters& counters,
+                                TransferFile* file) {
   const Scene& scene = shared.scene;
   const Object& object = scene.objects[i];
   const Material& material = scene.materials[static_cast<std::size_t>(object.material)];
@@ -105,20 +122,23 @@ TransferTable make_object_table(const SharedScene& shared, const TransferSetting
                           s.max_relative_error};
   std::vector<std::uint32_t> keys = keys_of(needed, work.columns.vectors);
   const auto count = static_cast<double>(scene.objects.size());
-  return make_transfer_table(work, std::move(keys), {}, static_cast<double>(i) / count,
+  const TransferStore store = file ? file->store(i, table_key(scene, s, work, keys)) : TransferStore{};
+  return make_transfer_table(work, std::move(keys), store, static_cast<double>(i) / count,
                              static_cast<double>(i + 1) / count, counters);
 }
 
 TransferScene make_transfer_scene(const SharedScene& shared, const TransferSettings& s) {
   TransferScene result;
+  const auto file = s.file.empty() ? nullptr : std::make_unique<TransferFile>(s.file);
   for (std::size_t i = 0; i < shared.scene.objects.size(); ++i) {
     const Mesh& mesh = shared.scene.objects[i].mesh;
     TransferNodes nodes = transfer_nodes(mesh, s.directions, s.distances);
     TransferVertices vertices(mesh, s.parts);
-    TransferTable table = make_object_table(shared, s, i, nodes, vertices, result.counters);
+    TransferTable table = make_object_table(shared, s, i, nodes, vertices, result.counters, file.get());
     EncodedTransfer transfer = encode(std::move(table), nodes, vertices, s);
     result.objects.push_back({std::move(nodes), std::move(vertices), std::move(transfer)});
   }
+  if (file) file->finish();
   return result;
 }
 

@@ -6,6 +6,8 @@
 
 namespace opaline {
 
+class TransferFile;
+
 enum class TransferForm { floats, vectors, lloyd, harmonics, references };
 
 struct TransferSettings {
@@ -42,7 +44,8 @@ TransferScene make_transfer_scene(const SharedScene& shared, const TransferSetti
 
 /// The table itself, all nodes that the settings ask for, before it is encoded.
 TransferTable make_object_table(const SharedScene& shared, const TransferSettings& settings, std::size_t object,
-                                const TransferNodes& nodes, TransferVertices& vertices, Counters& counters);
+                                const TransferNodes& nodes, TransferVertices& vertices, Counters& counters,
+                                TransferFile* file = nullptr);
 
 /// Empty if every material and light of the scene has a place in a table.
 std::string transfer_not_applicable(const Scene& scene);
@@ -55,6 +58,13 @@ struct PointPlaces {
 };
 PointPlaces places_of_object(const SharedScene& shared, const TransferScene& transfer, const GBuffer& view,
                              std::size_t object);
+
+/// B at a place, from that of vertices.
+template <typename AtVertex>
+glm::vec3 interpolated(const TransferVertices::Place& place, const AtVertex& at_vertex) {
+  return place.weight.x * at_vertex(place.corner.x) + place.weight.y * at_vertex(place.corner.y) +
+         place.weight.z * at_vertex(place.corner.z);
+}
 
 std::unique_ptr<PreparedTechnique> prepare_transfer_gl(const SharedScene& shared, const Settings& settings,
                                                        const gl::Context& context);

@@ -24,7 +24,7 @@ void run_kernels() {
 int run(int argc, char** argv) {
   SceneChoice choice;
   ModelChoice model_choice;
-  bool kernels = true, model = true, render = true, paths = true, fit = true, image_space = true;
+  bool kernels = true, model = true, render = true, paths = true, fit = true, image_space = true, transfer = true;
   CLI::App app("Opaline's benchmark: figures reached beside figures asked", "opaline_bench");
   app.add_option("--mesh", choice.mesh, "Mesh file instead of the synthetic bust");
   app.add_option("--height", choice.height, "Of the object [mm]")->check(CLI::PositiveNumber)->capture_default_str();
@@ -46,6 +46,10 @@ int run(int argc, char** argv) {
   app.add_flag("!--no-paths", paths, "Leave out the path tracer");
   app.add_flag("!--no-fit", fit, "Leave out the fit");
   app.add_flag("!--no-image-space", image_space, "Leave out image-space sampling");
+  app.add_flag("!--no-transfer", transfer, "Leave out precomputed transfer");
+  app.add_option("--transfer-vertices", choice.transfer_vertices, "Of precomputed transfer's teapot, about")
+      ->check(CLI::Range(std::size_t{200}, std::size_t{10000000}))
+      ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   fmt::print("{}\n", machine());
   if (kernels) {
@@ -59,6 +63,7 @@ int run(int argc, char** argv) {
   if (render) print_figures("Gather: 1e5 points of a sphere, whole milk, one core", sphere_figures(choice.runs));
   if (render) print_figures("Renderer: " + title, render_figures(choice));
   if (image_space) print_image_space_figures(choice);
+  if (transfer) print_transfer_figures(choice);
   if (paths) print_figures("Transport, 64 x 64 pixels, " + choice.material, path_figures(choice));
   if (fit) print_figures("Fit: " + title, fit_figures(choice));
   return 0;

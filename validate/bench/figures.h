@@ -38,6 +38,7 @@ struct SceneChoice {
   int film = 256;
   std::size_t samples = 100000;
   int runs = 5;
+  std::size_t transfer_vertices = 150000;  ///< of the teapot that precomputed transfer is measured on
 };
 
 /// The object centred, side-lit by one white directional light, filling most of the film.
@@ -61,5 +62,8 @@ std::vector<Figure> path_figures(const SceneChoice& choice);
 
 /// Of image_space_sampling: figures and tables, on scenes of its own; `runs` is all that counts of the choice.
 void print_image_space_figures(const SceneChoice& choice);
+
+/// Of precomputed_transfer, on a teapot or the choice's mesh, of marble.
+void print_transfer_figures(const SceneChoice& choice);
 
 }  // namespace opaline::bench
