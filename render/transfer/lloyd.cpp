@@ -25,26 +25,53 @@ Codebook companded(const std::vector<float>& sorted) {
   return levels;
 }
 
-/// Moves every level to the mean of its values; returns the largest move.
-double improve(Codebook& levels, const std::vector<float>& sorted, const std::vector<double>& sums) {
-  double moved = 0;
-  std::size_t begin = 0;
+/// Sorted values with running sums, to have means and errors of any part of them at once.
+struct Values {
+  const std::vector<float>& sorted;
+  std::vector<double> sums, squares;
+
+  explicit Values(const std::vector<float>& v) : sorted(v), sums(v.size() + 1, 0.0), squares(v.size() + 1, 0.0) {
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      const auto x = static_cast<double>(v[i]);
+      sums[i + 1] = sums[i] + x, squares[i + 1] = squares[i] + x * x;
+    }
+  }
+  double mean(std::size_t begin, std::size_t end) const {
+    return (sums[end] - sums[begin]) / static_cast<double>(end - begin);
+  }
+  /// Sum of squared distances from the mean.
+  double error(std::size_t begin, std::size_t end) const {
+    return squares[end] - squares[begin] - (sums[end] - sums[begin]) * mean(begin, end);
+  }
+};
+
+/// Moves every level to the mean of its values, and one that has none to the top of the worst level's; returns the
+/// largest move.
+double improve(Codebook& levels, const Values& values) {
+  const std::vector<float>& sorted = values.sorted;
+  double moved = 0, worst = 0;
+  std::size_t begin = 0, empty = levels.size(), top = 0;
   for (std::size_t i = 0; i < levels.size(); ++i) {
     std::size_t end = sorted.size();
-    if (i + 1 < levels.size()) {
-      const float threshold = 0.5f * (levels[i] + levels[i + 1]);
-      end = static_cast<std::size_t>(
-          std::lower_bound(sorted.begin() + static_cast<std::ptrdiff_t>(begin), sorted.end(), threshold) -
-          sorted.begin());
+    if (i + 1 < levels.size())
+      end = static_cast<std::size_t>(std::lower_bound(sorted.begin() + static_cast<std::ptrdiff_t>(begin), sorted.end(),
+                                                      0.5f * (levels[i] + levels[i + 1])) -
+                                     sorted.begin());
+    if (end == begin) {
+      empty = i;
+      continue;
     }
-    if (end > begin) {
-      const auto mean = static_cast<float>((sums[end] - sums[begin]) / static_cast<double>(end - begin));
-      moved = std::max(moved, static_cast<double>(std::abs(mean - levels[i])));
-      levels[i] = mean;
-    }
+    const auto mean = static_cast<float>(values.mean(begin, end));
+    moved = std::max(moved, static_cast<double>(std::abs(mean - levels[i])));
+    levels[i] = mean;
+    if (sorted[begin] < sorted[end - 1] && values.error(begin, end) > worst)
+      worst = values.error(begin, end), top = end - 1;
     begin = end;
   }
-  return moved;
+  if (empty == levels.size() || worst <= 0) return moved;
+  levels[empty] = sorted[top];
+  std::sort(levels.begin(), levels.end());
+  return static_cast<double>(sorted.back() - sorted.front());
 }
 
 }  // namespace
@@ -52,11 +79,10 @@ double improve(Codebook& levels, const std::vector<float>& sorted, const std::ve
 Codebook lloyd_codebook(std::vector<float>& values) {
   if (values.empty()) return {};
   std::sort(values.begin(), values.end());
-  std::vector<double> sums(values.size() + 1, 0.0);
-  for (std::size_t i = 0; i < values.size(); ++i) sums[i + 1] = sums[i] + static_cast<double>(values[i]);
+  const Values sums(values);
   Codebook levels = companded(values);
   const double still = 1e-7 * static_cast<double>(values.back() - values.front());
-  for (int step = 0; step < 1000 && improve(levels, values, sums) > still;) ++step;
+  for (int step = 0; step < 1000 && improve(levels, sums) > still;) ++step;
   std::sort(levels.begin(), levels.end());
   return levels;
 }

@@ -7,6 +7,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <limits>
@@ -44,7 +45,13 @@ struct Lighting {
   double eta;
   std::uint64_t done = 0, away = 0, spared = 0;
 
-  void light(const SurfacePoint& p, const NodeLight& node, float* out) {
+  /// What a node's light is at a point: from where, how far, how strong, and its cosine, 0 if it meets the back.
+  struct Arrival {
+    glm::vec3 direction;
+    float distance;
+    double strength, cosine;
+  };
+  static Arrival arrival(const SurfacePoint& p, const NodeLight& node) {
     glm::dvec3 w = node.direction;
     double far = node.distance, strength = 1;
     if (std::isfinite(node.distance)) {
@@ -54,19 +61,38 @@ struct Lighting {
       w = d / far;
     }
     const glm::vec3 direction(w);
-    const float cosine = glm::dot(p.normal, direction);
-    if (cosine <= 0 || glm::dot(p.face_normal, direction) <= 0) {
+    const float cosine = glm::dot(p.face_normal, direction) > 0 ? glm::dot(p.normal, direction) : 0;
+    return {direction, static_cast<float>(far), strength, std::clamp(static_cast<double>(cosine), 0.0, 1.0)};
+  }
+
+  bool visible(const SurfacePoint& p, const Arrival& a) {
+    ++(unshadowed ? spared : done);
+    return unshadowed || !rays.occluded(p.position + rays.offset() * p.face_normal, a.direction, a.distance);
+  }
+
+  void light(std::span<const SurfacePoint> points, const NodeLight& node, float* out) {
+    std::array<Arrival, 4> arrivals;
+    std::size_t facing = 0;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      arrivals[i] = arrival(points[i], node);
+      facing += arrivals[i].cosine > 0;
+    }
+    if (facing == 0) {
       ++away;
       return;
     }
-    ++(unshadowed ? spared : done);
-    if (!unshadowed && rays.occluded(p.position + rays.offset() * p.face_normal, direction, static_cast<float>(far)))
-      return;
-    const double c = std::min(static_cast<double>(cosine), 1.0), entering = strength * fresnel_transmittance(c, eta);
-    if (!vectors) out[node.column] = static_cast<float>(entering * c);
+    const bool together = facing == points.size();
+    if (together && !visible(points.back(), arrivals[points.size() - 1])) return;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (arrivals[i].cosine > 0 && (together || visible(points[i], arrivals[i])))
+        add(points[i], arrivals[i], 1.0 / static_cast<double>(points.size()), &out[node.column]);
+  }
+
+  void add(const SurfacePoint& p, const Arrival& a, double share, float* out) const {
+    const double entering = share * a.strength * fresnel_transmittance(a.cosine, eta);
+    if (!vectors) out[0] += static_cast<float>(entering * a.cosine);
     for (int axis = 0; vectors && axis < 3; ++axis)
-      out[node.column + static_cast<std::size_t>(axis)] =
-          static_cast<float>(entering * static_cast<double>(p.normal[axis]));
+      out[axis] += static_cast<float>(entering * static_cast<double>(p.normal[axis]));
   }
 };
 
@@ -74,9 +100,13 @@ struct Lighting {
 
 TransferElements cell_elements(const Mesh& mesh, std::size_t count) {
   TransferElements elements{make_surface_cells(mesh, count), {}, false};
-  elements.points.reserve(elements.cells.size());
-  for (const SurfaceCell& cell : elements.cells)
-    elements.points.push_back(surface_point_at(mesh, cell.triangle, cell_centroid(cell)));
+  elements.points.reserve(4 * elements.cells.size());
+  for (const SurfaceCell& cell : elements.cells) {
+    SurfaceCell quarters[4];
+    split_in_four(cell, quarters);
+    for (const SurfaceCell& quarter : quarters)
+      elements.points.push_back(surface_point_at(mesh, cell.triangle, cell_centroid(quarter)));
+  }
   return elements;
 }
 
@@ -100,12 +130,14 @@ void light_elements(const TransferElements& elements, const TransferColumns& col
   const std::size_t step = columns.vectors ? 3 : 1;
   for (std::size_t k = 0; k < keys.size(); k += step)
     lights.emplace_back(columns.nodes, keys[k] / static_cast<std::uint32_t>(step), k);
-  out.assign(elements.points.size() * transfer_columns, 0.0f);
+  const std::size_t count = elements.cells.size(), each = elements.points_each();
+  out.assign(count * transfer_columns, 0.0f);
   std::atomic<std::uint64_t> done = 0, away = 0, spared = 0;
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, elements.points.size(), 256), [&](const auto& range) {
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, count, 256), [&](const auto& range) {
     Lighting lighting{rays, unshadowed, columns.vectors, eta};
     for (std::size_t i = range.begin(); i != range.end(); ++i)
-      for (const NodeLight& light : lights) lighting.light(elements.points[i], light, &out[i * transfer_columns]);
+      for (const NodeLight& light : lights)
+        lighting.light(std::span(elements.points).subspan(i * each, each), light, &out[i * transfer_columns]);
     done += lighting.done, away += lighting.away, spared += lighting.spared;
   });
   counters.done["shadow_rays"] += done;

@@ -1,5 +1,5 @@
-// What a transfer table sums over: elements of the surface, each lit at one point, and the light of the table's nodes
-// on them.
+// What a transfer table sums over: elements of the surface, each lit at a few points, and the light of the table's
+// nodes on them.
 //
 //   cells      the mesh's triangles, cut until there are enough; near a vertex the gather cuts them further, so the
 //              vertex's own surroundings are integrated. The default.
@@ -24,8 +24,9 @@ inline constexpr std::size_t transfer_columns = 32;
 
 struct TransferElements {
   SurfaceCells cells;                ///< of the elements' areas; of a disc an equilateral triangle in its plane
-  std::vector<SurfacePoint> points;  ///< where each is lit
+  std::vector<SurfacePoint> points;  ///< where each is lit: of a cell the middles of its quarters, the central one last
   bool discs = false;
+  std::size_t points_each() const { return discs ? 1 : 4; }
 };
 
 TransferElements cell_elements(const Mesh& mesh, std::size_t count);
@@ -38,7 +39,8 @@ struct TransferColumns {
 };
 
 /// out[element * transfer_columns + k]: irradiance that has entered the element under the node's light,
-/// V F_t(eta, cos) cos, of a vector V F_t(eta, cos) n. Shadows of the whole scene; none are looked for where
+/// V F_t(eta, cos) cos, of a vector V F_t(eta, cos) n, meant over its points. Shadows of the whole scene, by one ray to
+/// an element all of whose points face the light, else by one for each that does; none are looked for where
 /// `unshadowed` says that there are none.
 void light_elements(const TransferElements& elements, const TransferColumns& columns,
                     std::span<const std::uint32_t> keys, double eta, const RayScene& rays, bool unshadowed,

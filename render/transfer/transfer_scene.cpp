@@ -69,7 +69,7 @@ std::uint64_t table_key(const Scene& scene, const TransferSettings& s, const Tra
     key.add_number(work.profiles.profile(c).evaluate(0)).add_number(work.profiles.profile(c).total());
   key.add_text(s.profile).add_number(work.eta).add_number(s.max_relative_error).add_number(s.discs);
   key.add_number(s.directions).add_number(s.distances).add_number(work.columns.vectors);
-  key.add_number(static_cast<double>(work.elements.points.size()));
+  key.add_number(static_cast<double>(work.elements.cells.size()));
   key.add(std::vector<glm::vec3>(work.positions.begin(), work.positions.end())).add(keys);
   return key.value();
 }
@@ -99,14 +99,15 @@ TransferTable make_object_table(const SharedScene& shared, const TransferSetting
       s.discs ? disc_elements(vertices) : cell_elements(object.mesh, cell_count(shared, i));
   std::vector<std::uint32_t> own(vertices.size());
   std::iota(own.begin(), own.end(), 0u);
+  const std::size_t whole = vertices.size();
   if (s.fixed_view) {
     own = vertices.keep_only(object.mesh, seen_points(shared.view, i));
-    counters.skipped["unseen_vertices"] += elements.discs ? elements.points.size() - own.size() : 0;
+    counters.skipped["unseen_vertices"] += whole - own.size();
   }
   const ChannelProfiles profiles(*info, material, 1.01 * diameter(object.mesh));
   const std::vector<TransferLight> lights = transfer_lights(scene, nodes, shared.settings.irradiance.area_samples);
   const std::vector<std::uint32_t> needed = needed_nodes(scene, s, nodes, lights);
-  counters.done["elements"] += elements.points.size();
+  counters.done["elements"] += elements.cells.size();
   counters.done["vertices"] += vertices.size();
   counters.done["light_nodes"] += needed.size();
   counters.skipped["light_nodes_no_light_needs"] += nodes.count() - needed.size();

@@ -14,7 +14,7 @@ std::vector<SettingSpec> transfer_setting_specs() {
        "with harmonics of the difference",
        {"float", "vector", "lloyd", "harmonics", "reference"}},
       {"directions", "200", "light directions of the table", {}, DirectionSet::fewest, 100000, true},
-      {"distances", "8", "levels of inverse distance, for point lights", {}, 1, 64, true},
+      {"distances", "6", "levels of inverse distance, for point lights", {}, 1, 64, true},
       {"subdivide", "1", "cuts every triangle into k^2: more vertices to keep transfer at", {}, 1, 64, true},
       {"elements",
        "cells",
