@@ -27,8 +27,9 @@ EncodedTransfer encode_harmonics(const TransferTable& table, const TransferNodes
   out.tables = table.tables;
   std::copy_n(table.table_of, 3, out.table_of);
   std::vector<float> values = fit.coefficients(table);
-  out.rows = CodedRows(storage, std::move(values), fit.keys().size() * static_cast<std::size_t>(table.tables),
-                       table.vertices, table.tables);
+  const std::size_t rows = fit.keys().size() * static_cast<std::size_t>(table.tables);
+  // Coefficients differ in size from row to row, so each row has a codebook of its own.
+  out.rows = CodedRows(storage, std::move(values), rows, table.vertices, static_cast<int>(rows));
   return out;
 }
 

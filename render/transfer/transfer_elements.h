@@ -3,9 +3,9 @@
 //
 //   cells      the mesh's triangles, cut until there are enough; near a vertex the gather cuts them further, so the
 //              vertex's own surroundings are integrated. The default.
-//   discs      as published: one element for each vertex, with a third of the area of its triangles, seen as a point
-//              by other vertices. Its own vertex sees a disc of that area, integrated in closed form: int R_d dA =
-//              cumulative(sqrt(A / pi)). (The paper leaves this term out, the largest of all on a coarse mesh.)
+//   discs      as published: one element for each vertex, with a third of the area of its triangles. Its own vertex
+//              sees it as a disc of that area, integrated in closed form: int R_d dA = cumulative(sqrt(A / pi)). (The
+//              paper leaves this term out, the largest of all on a coarse mesh.)
 #pragma once
 
 #include "render/counters.h"

@@ -81,7 +81,8 @@ EncodedTransfer encode(TransferTable table, const TransferNodes& nodes, const Tr
     return encode_references(table, nodes, vertices,
                              {.points = s.references ? s.references : table.vertices / 29 + 1,
                               .weights = s.reference_weights,
-                              .order = s.order});
+                              .order = s.order,
+                              .difference = RowStorage::code8});
   return encode_rows(std::move(table), s.form == TransferForm::lloyd ? RowStorage::code8 : RowStorage::f32);
 }
 

@@ -59,11 +59,12 @@ struct TransferSum {
     }
   }
 
-  void put_own(std::size_t begin, std::size_t count, const OwnDisc& own, Factors& f) const {
+  /// However the gather cut the own element: the parts' shares add up to 1.
+  void put_own(std::size_t begin, std::size_t count, const OwnDisc& own, const float* share, Factors& f) const {
     const std::uint32_t* nodes = patches.nodes() + begin;
     for (std::size_t i = 0; i < count; ++i)
       if (nodes[i] == own.node)
-        for (int t = 0; t < Tables; ++t) f.of[t][0][i] = own.mean[static_cast<std::size_t>(t)];
+        for (int t = 0; t < Tables; ++t) f.of[t][0][i] = share[i] * own.mean[static_cast<std::size_t>(t)];
   }
 
   HWY_INLINE void add_products(std::size_t begin, std::size_t count, const Factors& f, float* sums) const {
@@ -105,7 +106,7 @@ struct TransferSum {
       find_shares(begin, count, share);
       for (std::size_t q = 0; q < positions.size(); ++q) {
         find_factors(begin, count, positions[q], share, factors);
-        if (!own.empty()) put_own(begin, count, own[q], factors);
+        if (!own.empty()) put_own(begin, count, own[q], share, factors);
         add_products(begin, count, factors, sums + q * Tables * transfer_columns);
       }
     }

@@ -9,16 +9,6 @@
 namespace opaline {
 namespace {
 
-/// Leaves are taken as they are: discs are points to all vertices but their own.
-struct DiscCriterion : CertifiedCriterion {
-  using CertifiedCriterion::CertifiedCriterion;
-  bool accept(const ClusterNode& node, float distance, float group_radius) {
-    const bool accepted = CertifiedCriterion::accept(node, distance, group_radius);
-    return accepted || node.leaf();
-  }
-  bool accept_part(const ClusterNode&, float, float, float) { return true; }
-};
-
 struct TransferSink {
   const ProfileSum& profile;
   const TransferTree& tree;
@@ -99,14 +89,10 @@ class TableMaker {
     const float pessimism = std::max(1.0f, 500 * static_cast<float>(std::pow(100 * work_.max_relative_error, 0.25)));
     constexpr float dark = 1e-3f;
     const auto sink = [&] { return TransferSink{profile, tree_, discs_, sums_.data()}; };
-    const auto run = [&]<class Criterion>(const Criterion& criterion) {
-      return gather(
-          tree_.tree(), tree_.cells(), work_.positions, [&] { return criterion; }, sink);
-    };
-    const ProfileBounds& bounds = work_.profiles.bounds(1);
-    const CertifiedCriterion::Four level{dark, dark, dark, 0};
-    if (discs_.empty()) return run(CertifiedCriterion(tree_.tree(), bounds, profile, error, level, pessimism));
-    return run(DiscCriterion(tree_.tree(), bounds, profile, error, level, pessimism));
+    const CertifiedCriterion criterion(tree_.tree(), work_.profiles.bounds(1), profile, error, {dark, dark, dark, 0},
+                                       pessimism);
+    return gather(
+        tree_.tree(), tree_.cells(), work_.positions, [&] { return criterion; }, sink);
   }
 
   /// From [vertex][table][column] to rows.

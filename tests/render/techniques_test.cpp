@@ -83,7 +83,7 @@ std::map<std::string, std::string> accurate(const Technique& technique) {
   for (const SettingSpec& spec : technique.settings) {
     if (spec.key == "samples_per_pixel") set[spec.key] = "1024";
     if (spec.key == "directions") set[spec.key] = "50000";
-    if (spec.key == "subdivide") set[spec.key] = "8";
+    if (spec.key == "subdivide") set[spec.key] = "12";
   }
   return set;
 }

@@ -225,13 +225,13 @@ TEST(TransferTable, ADiscsOwnTermIsItsClosedForm) {
   };
   const auto part_sum = [&](const SurfaceCell& cell, const glm::vec3& at) {
     double sum = 0;
-    SurfaceCell a[4], b[4], c[4];
-    split_in_four(cell, a);
-    for (const SurfaceCell& i : a) {
-      split_in_four(i, b);
-      for (const SurfaceCell& k : b) {
-        split_in_four(k, c);
-        for (const SurfaceCell& m : c)
+    SurfaceCell first[4], second[4], third[4];
+    split_in_four(cell, first);
+    for (const SurfaceCell& i : first) {
+      split_in_four(i, second);
+      for (const SurfaceCell& k : second) {
+        split_in_four(k, third);
+        for (const SurfaceCell& m : third)
           sum += profile->evaluate(static_cast<double>(glm::length(cell_centroid(m) - at))) / 64;
       }
     }
@@ -383,7 +383,7 @@ TEST(TransferSkips, EqualChannelsAreMadeOnce) {
 }
 
 TEST(TransferSkips, UnlitVerticesCostNothingAtRunTime) {
-  Scene scene = test::make_scene(make_slab({30, 30, 90}, 12000), test::library_material("skin1"), 70, 12);
+  Scene scene = test::make_scene(make_slab({30, 30, 90}, 24000), test::library_material("skin1"), 70, 12);
   scene.lights = {DirectionalLight{{0, 0, -1}, Rgb(1), 0}};
   const SharedScene shared(scene, {12000, {}}, false);
   const Frame frame = render(shared, {{"max_relative_error", "3e-2"}});

@@ -49,9 +49,10 @@ std::vector<std::uint32_t> light_nodes() {
   return nodes;
 }
 
-Scene lit_from(Scene scene, const DirectionSet& fine) {
+Scene lit_from(const Scene& unlit, const DirectionSet& fine) {
+  Scene scene = unlit;
   scene.lights.clear();
-  for (const std::uint32_t node : light_nodes()) scene.lights.push_back(DirectionalLight{-fine[node], Rgb(1), 0});
+  for (const std::uint32_t node : light_nodes()) scene.lights.emplace_back(DirectionalLight{-fine[node], Rgb(1), 0});
   return scene;
 }
 
@@ -179,7 +180,8 @@ void print_forms(Bench& bench, const TransferTable& table) {
     for (const ReferenceWeights weights : {ReferenceWeights::barycentric, ReferenceWeights::least_squares})
       for (const auto& [count, paper] : points) {
         const EncodedTransfer t =
-            encode_references(table, nodes, bench.vertices(), {.points = count, .weights = weights, .order = order});
+            encode_references(table, nodes, bench.vertices(),
+                              {.points = count, .weights = weights, .order = order, .difference = RowStorage::code8});
         row(fmt::format("{} reference points, n = {}, {}", t.references->points.size(), order,
                         weights == ReferenceWeights::barycentric ? "barycentric" : "least squares"),
             bench.rms(bench.images(t, nodes), q), order == 3 && weights == ReferenceWeights::barycentric ? paper : 0,
@@ -211,7 +213,8 @@ EncodedTransfer any_transfer(TransferForm form, std::size_t vertices, const std:
                              : harmonic                    ? RowStorage::i16
                              : form == TransferForm::lloyd ? RowStorage::code8
                                                            : RowStorage::f32;
-  t.rows = CodedRows(storage, noise(3 * t.keys.size() * stride), 3 * t.keys.size(), vertices, 3);
+  t.rows = CodedRows(storage, noise(3 * t.keys.size() * stride), 3 * t.keys.size(), vertices,
+                     references ? static_cast<int>(3 * t.keys.size()) : 3);
   if (!references) return t;
   ReferencePoints points;
   const std::size_t count = vertices / 29 + 3;
