@@ -44,7 +44,7 @@ std::vector<std::uint32_t> keys_of(const std::vector<std::uint32_t>& nodes, bool
   return keys;
 }
 
-/// The object's share of the scene's surface cells.
+/// The object's share of the scene's surface cells. (No cell is left larger than the parts its vertices stand on.)
 std::size_t cell_count(const SharedScene& shared, std::size_t object) {
   double all = 0;
   for (const Object& o : shared.scene.objects) all += surface_area(o.mesh);
@@ -97,7 +97,8 @@ TransferTable make_object_table(const SharedScene& shared, const TransferSetting
   const ProfileInfo* info = find_profile(s.profile);
   OPALINE_CHECK(info);
   const TransferElements elements =
-      s.discs ? disc_elements(vertices) : cell_elements(object.mesh, cell_count(shared, i));
+      s.discs ? disc_elements(vertices)
+              : cell_elements(object.mesh, std::max(cell_count(shared, i), vertices.triangles.size()));
   std::vector<std::uint32_t> own(vertices.size());
   std::iota(own.begin(), own.end(), 0u);
   const std::size_t whole = vertices.size();
