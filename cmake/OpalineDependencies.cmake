@@ -9,6 +9,7 @@ find_package(nlohmann_json REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(hwy REQUIRED)
+find_package(meshoptimizer REQUIRED)
 find_package(glm REQUIRED)
 find_package(OpenEXR REQUIRED)
 # FFTW has no CMake package of its own.

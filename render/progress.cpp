@@ -7,6 +7,7 @@ namespace {
 
 std::mutex mutex;
 ProgressListener listener;
+double span_begin = 0, span_end = 1;
 
 }  // namespace
 
@@ -23,7 +24,17 @@ void Progress::advance(std::size_t steps) {
   const int percent = total_ ? static_cast<int>(100 * done_ / total_) : 100;
   if (percent == shown_ || !listener) return;
   shown_ = percent;
-  listener(static_cast<double>(percent) / 100);
+  listener(span_begin + (span_end - span_begin) * static_cast<double>(percent) / 100);
+}
+
+ProgressSpan::ProgressSpan(double from, double to) {
+  const std::lock_guard lock(mutex);
+  span_begin = from, span_end = to;
+}
+
+ProgressSpan::~ProgressSpan() {
+  const std::lock_guard lock(mutex);
+  span_begin = 0, span_end = 1;
 }
 
 }  // namespace opaline

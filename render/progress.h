@@ -13,6 +13,15 @@ using ProgressListener = std::function<void(double fraction)>;
 /// Replaces the process-wide listener; an empty one silences it. Not while work is running.
 void listen_to_progress(ProgressListener listener);
 
+/// While it lives all progress counts from `from` to `to`: of one step of longer work. Not for two steps at once.
+class ProgressSpan {
+ public:
+  ProgressSpan(double from, double to);
+  ~ProgressSpan();
+  ProgressSpan(const ProgressSpan&) = delete;
+  ProgressSpan& operator=(const ProgressSpan&) = delete;
+};
+
 /// One piece of work of `total` steps; `advance` may be called from any thread.
 class Progress {
  public:

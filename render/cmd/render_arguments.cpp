@@ -17,8 +17,9 @@ namespace {
 namespace fs = std::filesystem;
 
 std::string describe(const SettingSpec& setting) {
-  const std::string valid =
-      setting.choices.empty() ? fmt::format("{} to {}", setting.lo, setting.hi) : join_names(setting.choices);
+  const std::string valid = setting.text              ? "any text"
+                            : setting.choices.empty() ? fmt::format("{} to {}", setting.lo, setting.hi)
+                                                      : join_names(setting.choices);
   return fmt::format("    --set {}={}\n        {} ({})\n", setting.key, setting.fallback, setting.meaning, valid);
 }
 

@@ -12,7 +12,7 @@ Json settings_json(const RenderOptions& options, const RenderResult& result) {
   Json json = Json::object();
   const Settings settings(find_technique(options.technique).settings, options.settings);
   for (const SettingSpec& spec : find_technique(options.technique).settings) {
-    if (spec.choices.empty())
+    if (spec.choices.empty() && !spec.text)
       json[spec.key] = settings.number(spec.key);
     else
       json[spec.key] = result.settings.at(spec.key);

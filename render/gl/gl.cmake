@@ -1,6 +1,7 @@
 # The GL layer of opaline_render. Nothing links to a GL library: they are opened at run time.
 # Included, not a subdirectory: a rule for a generated file serves only targets of its own directory.
 target_sources(opaline_render PRIVATE
+  gl/clip_matrix.cpp
   gl/context.cpp
   gl/platform_egl.cpp
   gl/platform_osmesa.cpp

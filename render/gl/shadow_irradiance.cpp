@@ -1,6 +1,7 @@
 #include "render/gl/shadow_irradiance.h"
 
 #include "model/fresnel.h"
+#include "render/gl/clip_matrix.h"
 #include "render/image_space/light_views.h"
 #include "render/image_space/projection.h"
 #include "render/input_error.h"
@@ -24,37 +25,6 @@ std::vector<float> fresnel_row(double eta) {
     row[static_cast<std::size_t>(4 * i)] =
         static_cast<float>(fresnel_transmittance(static_cast<double>(i) / (fresnel_texels - 1), eta));
   return row;
-}
-
-/// Depths of the bounding box's corners along a view, with a little to spare.
-glm::dvec2 depth_range(const Scene& scene, const Projection& view) {
-  glm::vec3 lo(1e30f), hi(-lo);
-  for (const Object& object : scene.objects)
-    for (const glm::vec3& p : object.mesh.positions) lo = glm::min(lo, p), hi = glm::max(hi, p);
-  double near = 1e300, far = -1e300;
-  for (int corner = 0; corner < 8; ++corner) {
-    const glm::vec3 p(corner & 1 ? hi.x : lo.x, corner & 2 ? hi.y : lo.y, corner & 4 ? hi.z : lo.z);
-    const double z = static_cast<double>(view.point(p).z);
-    near = std::min(near, z), far = std::max(far, z);
-  }
-  const double margin = 0.01 * (far - near) + 1e-6;
-  return {view.perspective ? std::max(near - margin, 0.01 * near) : near - margin, far + margin};
-}
-
-/// From the world to clip coordinates of a square film of `pixels`.
-glm::mat4 clip_matrix(const Scene& scene, const Projection& view, int pixels) {
-  const auto [near, far] = std::pair(depth_range(scene, view).x, depth_range(scene, view).y);
-  const double s = 2.0 * static_cast<double>(view.scale) / pixels, depth = far - near;
-  glm::dmat4 clip(0);  // columns
-  clip[0][0] = s, clip[1][1] = s;
-  if (view.perspective) {
-    clip[2][2] = (far + near) / depth, clip[2][3] = 1, clip[3][2] = -2 * far * near / depth;
-  } else {
-    clip[2][2] = 2 / depth, clip[3][2] = -(far + near) / depth, clip[3][3] = 1;
-  }
-  glm::dmat4 to_camera(view.to_camera);
-  to_camera[3] = glm::dvec4(view.to_camera * -view.origin, 1);
-  return glm::mat4(clip * to_camera);
 }
 
 /// InputError if the light can have no shadow map.
@@ -124,7 +94,7 @@ ShadowIrradiance::ShadowIrradiance(const Context& context, const Scene& scene, i
     map.image = image_texture(context, scene.lights[i]);
     if (!unshadowed) {
       const Projection view = projection_of(*light_camera(scene.lights[i], scene), map_pixels, map_pixels);
-      map.to_clip = clip_matrix(scene, view, map_pixels);
+      map.to_clip = clip_matrix(scene, view, map_pixels, map_pixels);
       map.scale = view.scale;
       map.depth = std::make_unique<Texture2D>(context, map_pixels, map_pixels, Format::depth32f);
       draw_depth(scene, map);

@@ -31,6 +31,7 @@ class PatchList {
     const std::size_t i = grow();
     const ClusterNode& n = tree.nodes[node];
     set_geometry(i, n.centroid, n, moments);
+    nodes_[i] = static_cast<std::uint32_t>(node);
     for (std::size_t m = 0; m < masses_; ++m) mass_[i * masses_ + m] = tree.mass[node * masses_ + m];
     if (masses_ == 1) return;
     for (std::size_t axis = 0; axis < 3; ++axis)
@@ -43,6 +44,7 @@ class PatchList {
     const std::size_t i = grow();
     const float fraction = scale * scale;
     set_geometry(i, centroid, tree.nodes[leaf], scale);
+    nodes_[i] = static_cast<std::uint32_t>(leaf);
     for (std::size_t m = 0; m < masses_; ++m) mass_[i * masses_ + m] = fraction * tree.mass[leaf * masses_ + m];
     if (masses_ == 1) return;
     for (auto& axis : first_) std::fill_n(axis.begin() + static_cast<std::ptrdiff_t>(i * masses_), masses_, 0.0f);
@@ -52,6 +54,7 @@ class PatchList {
   void push_point(const glm::vec3& position, float mass) {
     const std::size_t i = grow();
     set_geometry(i, position, ClusterNode{}, 0);
+    nodes_[i] = 0;
     std::fill_n(mass_.begin() + static_cast<std::ptrdiff_t>(i * masses_), masses_, mass);
     if (masses_ == 1) return;
     for (auto& axis : first_) std::fill_n(axis.begin() + static_cast<std::ptrdiff_t>(i * masses_), masses_, 0.0f);
@@ -61,6 +64,8 @@ class PatchList {
   /// 11-20 coefficients of E (x . delta)^3.
   const float* row(int field) const { return geometry_[field].data(); }
   const float* mass() const { return mass_.data(); }
+  /// The tree's node each patch is, or is a part of.
+  const std::uint32_t* nodes() const { return nodes_.data(); }
   const float* first_moment(int axis) const { return first_[axis].data(); }
   static constexpr int rows = 21;
 
@@ -73,6 +78,7 @@ class PatchList {
     while (count_ < end) {
       const std::size_t i = grow();
       for (auto& row : geometry_) row[i] = 0;
+      nodes_[i] = 0;
       std::fill_n(mass_.begin() + static_cast<std::ptrdiff_t>(i * masses_), masses_, 0.0f);
       if (masses_ > 1)
         for (auto& axis : first_) std::fill_n(axis.begin() + static_cast<std::ptrdiff_t>(i * masses_), masses_, 0.0f);
@@ -86,6 +92,7 @@ class PatchList {
       const std::size_t capacity = count_ ? 2 * count_ : 256;
       for (auto& row : geometry_) row.resize(capacity);
       mass_.resize(capacity * masses_);
+      nodes_.resize(capacity);
       if (masses_ > 1)
         for (auto& axis : first_) axis.resize(capacity * masses_);
     }
@@ -102,6 +109,7 @@ class PatchList {
 
   std::size_t masses_, count_ = 0;
   std::vector<float> geometry_[rows], mass_, first_[3];
+  std::vector<std::uint32_t> nodes_;
 };
 
 }  // namespace opaline

@@ -20,6 +20,7 @@ void validate(const SettingSpec& spec, const std::string& value) {
       throw InputError(place, "", fmt::format("'{}' is not one of {}", value, fmt::join(spec.choices, ", ")));
     return;
   }
+  if (spec.text) return;
   double number = 0;
   const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
   if (error != std::errc() || end != value.data() + value.size() || !(number >= spec.lo && number <= spec.hi) ||

@@ -12,6 +12,7 @@ struct SettingSpec {
   std::vector<std::string> choices;  ///< a word out of these; empty: a number in [lo, hi]
   double lo = 0, hi = 0;
   bool whole = false;  ///< the number must be an integer
+  bool text = false;   ///< any text, instead of a number: a file's name
 };
 
 /// Every declared key has a valid value.

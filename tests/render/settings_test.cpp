@@ -27,6 +27,12 @@ TEST(Settings, DefaultsAndGivenValues) {
   EXPECT_EQ(given.values(), (std::map<std::string, std::string>{{"quality", "1.5e1"}, {"mode", "slow"}}));
 }
 
+TEST(Settings, TextIsTakenAsItIs) {
+  const std::vector<SettingSpec> file = {{"file", "", "where", {}, 0, 0, false, true}};
+  EXPECT_EQ(Settings(file, {}).word("file"), "");
+  EXPECT_EQ(Settings(file, {{"file", "a b=c.bin"}}).word("file"), "a b=c.bin");
+}
+
 TEST(Settings, TheEndsOfARangeAreValid) {
   EXPECT_EQ(Settings(specs(), {{"quality", "0.001"}}).number("quality"), 0.001);
   EXPECT_EQ(Settings(specs(), {{"quality", "100"}}).number("quality"), 100);

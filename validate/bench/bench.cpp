@@ -25,7 +25,7 @@ int run(int argc, char** argv) {
   SceneChoice choice;
   ModelChoice model_choice;
   bool kernels = true, model = true, gather = true, render = true, paths = true, fit = true, image_space = true;
-  bool layers = true, subsurface = true;
+  bool layers = true, subsurface = true, transfer = true;
   CLI::App app("Opaline's benchmark: figures reached beside figures asked", "opaline_bench");
   app.add_option("--mesh", choice.mesh, "Mesh file instead of the synthetic bust");
   app.add_option("--height", choice.height, "Of the object [mm]")->check(CLI::PositiveNumber)->capture_default_str();
@@ -50,6 +50,10 @@ int run(int argc, char** argv) {
   app.add_flag("!--no-image-space", image_space, "Leave out image-space sampling");
   app.add_flag("!--no-layers", layers, "Leave out layered convolution");
   app.add_flag("!--no-subsurface", subsurface, "Leave out subsurface texture mapping");
+  app.add_flag("!--no-transfer", transfer, "Leave out precomputed transfer");
+  app.add_option("--transfer-vertices", choice.transfer_vertices, "Of precomputed transfer's teapot, about")
+      ->check(CLI::Range(std::size_t{200}, std::size_t{10000000}))
+      ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   fmt::print("{}\n", machine());
   if (kernels) {
@@ -65,6 +69,7 @@ int run(int argc, char** argv) {
   if (image_space) print_image_space_figures(choice);
   if (layers) print_layered_figures(choice);
   if (subsurface) print_subsurface_figures(choice);
+  if (transfer) print_transfer_figures(choice);
   if (paths) print_figures("Transport, 64 x 64 pixels, " + choice.material, path_figures(choice));
   if (fit) print_figures("Fit: " + title, fit_figures(choice));
   return 0;

@@ -42,6 +42,7 @@ struct SceneChoice {
   int film = 256;
   std::size_t samples = 100000;
   int runs = 5;
+  std::size_t transfer_vertices = 150000;  ///< of the teapot that precomputed transfer is measured on
 };
 
 /// The object centred, side-lit by one white directional light, filling most of the film.
@@ -71,5 +72,7 @@ void print_image_space_figures(const SceneChoice& choice);
 void print_layered_figures(const SceneChoice& choice);
 /// Of subsurface_texture on the layered datasets; `runs` is all that counts of the choice.
 void print_subsurface_figures(const SceneChoice& choice);
+/// Of precomputed_transfer, on a teapot or the choice's mesh, of marble.
+void print_transfer_figures(const SceneChoice& choice);
 
 }  // namespace opaline::bench

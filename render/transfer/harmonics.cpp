@@ -1,0 +1,76 @@
+#include "render/transfer/harmonics.h"
+
+#include "model/check.h"
+#include "model/conventions.h"
+
+#include <cmath>
+
+namespace opaline {
+namespace {
+
+/// Solves A X = B in place for a symmetric positive definite A (n x n) and B (n x m), both by rows: X replaces B.
+bool solve_cholesky(std::vector<double>& a, std::vector<double>& b, std::size_t n, std::size_t m) {
+  for (std::size_t j = 0; j < n; ++j) {
+    for (std::size_t k = 0; k < j; ++k)
+      for (std::size_t i = j; i < n; ++i) a[i * n + j] -= a[i * n + k] * a[j * n + k];
+    if (!(a[j * n + j] > 1e-9)) return false;
+    const double root = std::sqrt(a[j * n + j]);
+    for (std::size_t i = j; i < n; ++i) a[i * n + j] /= root;
+  }
+  for (std::size_t c = 0; c < m; ++c) {
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t k = 0; k < i; ++k) b[i * m + c] -= a[i * n + k] * b[k * m + c];
+      b[i * m + c] /= a[i * n + i];
+    }
+    for (std::size_t i = n; i-- > 0;) {
+      for (std::size_t k = i + 1; k < n; ++k) b[i * m + c] -= a[k * n + i] * b[k * m + c];
+      b[i * m + c] /= a[i * n + i];
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+std::vector<double> harmonics(int order, const glm::dvec3& w) {
+  OPALINE_CHECK(order >= 1 && order <= highest_order);
+  std::vector<double> y(static_cast<std::size_t>(order * order));
+  // sin^m t cos(m p) and sin^m t sin(m p) are the parts of (x + i y)^m, so P is taken without its sin^m t, and all is
+  // a polynomial of x, y, z.
+  double cosine = 1, sine = 0, p_mm = 1, k_mm = 1 / std::sqrt(4 * pi);
+  for (int m = 0; m < order; ++m) {
+    double p = p_mm, below = 0, k = k_mm * std::sqrt(2.0 * m + 1);
+    for (int l = m; l < order; ++l) {
+      const auto at = [&](int signed_m) -> double& { return y[static_cast<std::size_t>(l * (l + 1) + signed_m)]; };
+      const double scale = m == 0 ? k : std::sqrt(2.0) * k;
+      if (m > 0) at(-m) = scale * p * sine;
+      at(m) = scale * p * cosine;
+      const double next = ((2 * l + 1) * w.z * p - (l + m) * below) / (l - m + 1);
+      below = p, p = next;
+      k *= std::sqrt((2.0 * l + 3) / (2.0 * l + 1) * (l + 1 - m) / (l + 1 + m));
+    }
+    p_mm *= 2 * m + 1;
+    k_mm /= std::sqrt((2.0 * m + 1) * (2.0 * m + 2));
+    const double turned = cosine * w.x - sine * w.y;
+    sine = cosine * w.y + sine * w.x, cosine = turned;
+  }
+  return y;
+}
+
+bool harmonic_projection(int order, const std::vector<glm::dvec3>& directions, std::vector<double>& matrix) {
+  const auto n = static_cast<std::size_t>(order * order), m = directions.size();
+  if (m < n) return false;
+  matrix.assign(n * m, 0);
+  std::vector<double> normal(n * n, 0.0);
+  const double solid_angle = 4 * pi / static_cast<double>(m);
+  for (std::size_t j = 0; j < m; ++j) {
+    const std::vector<double> y = harmonics(order, directions[j]);
+    for (std::size_t i = 0; i < n; ++i) {
+      matrix[i * m + j] = solid_angle * y[i];
+      for (std::size_t k = 0; k < n; ++k) normal[i * n + k] += solid_angle * y[i] * y[k];
+    }
+  }
+  return solve_cholesky(normal, matrix, n, m);
+}
+
+}  // namespace opaline
