@@ -1,4 +1,5 @@
 #include "fit/fit_job.h"
+#include "fit/reduced_picture.h"
 #include "render/irradiance/profile_gather.h"
 #include "render/techniques/technique.h"
 
@@ -17,10 +18,10 @@ GBuffer some_points(const GBuffer& view, const TransportOperator& op, std::size_
   return some;
 }
 
-}  // namespace
-
-double operator_error(const Scene& scene, const TransportOperator& op, const OperatorSettings& settings,
-                      const ProfileInfo& profile, const Material& material, int material_index, std::size_t pixels) {
+/// RMS difference of `expanded` from a fresh gather at some of the operator's pixels, over the gather's RMS.
+double error_of(const Scene& scene, const TransportOperator& op, const Image& expanded,
+                const OperatorSettings& settings, const ProfileInfo& profile, const Material& material,
+                int material_index, std::size_t pixels) {
   Scene with = scene;
   with.materials[static_cast<std::size_t>(material_index)] = material;
   SharedScene shared(with, {settings.samples, settings.irradiance});
@@ -28,8 +29,7 @@ double operator_error(const Scene& scene, const TransportOperator& op, const Ope
   const Technique& reference = find_technique("hierarchical");
   const Settings tight(reference.settings, {{"max_relative_error", "1e-4"}, {"profile", profile.name}});
   const Frame frame = reference.prepare(shared, tight)->render(shared.view);
-  const Image gathered = shade(with, shared.view, frame.exitance, op.lobe),
-              expanded = operator_image(op, profile, material);
+  const Image gathered = shade(with, shared.view, frame.exitance, op.lobe);
   double error = 0, norm = 0;
   for (const VisiblePoint& p : shared.view.points)
     for (std::size_t c = 0; c < 3; ++c) {
@@ -39,6 +39,20 @@ double operator_error(const Scene& scene, const TransportOperator& op, const Ope
       norm += a * a;
     }
   return norm > 0 ? std::sqrt(error / norm) : 0;
+}
+
+}  // namespace
+
+double operator_error(const Scene& scene, const TransportOperator& op, const OperatorSettings& settings,
+                      const ProfileInfo& profile, const Material& material, int material_index, std::size_t pixels) {
+  return error_of(scene, op, operator_image(op, profile, material), settings, profile, material, material_index,
+                  pixels);
+}
+
+double operator_error(const Scene& scene, const FitTarget& target, const OperatorSettings& settings,
+                      const ProfileInfo& profile, const Material& material, int material_index, std::size_t pixels) {
+  return error_of(scene, target.op, target_image(target, profile, material), settings, profile, material,
+                  material_index, pixels);
 }
 
 }  // namespace opaline
