@@ -25,6 +25,8 @@ int run(int argc, char** argv) {
   SceneChoice choice;
   ModelChoice model_choice;
   bool kernels = true, model = true, render = true, paths = true, fit = true, image_space = true;
+  int repetitions = 0;
+  bool examination = false;
   CLI::App app("Opaline's benchmark: figures reached beside figures asked", "opaline_bench");
   app.add_option("--mesh", choice.mesh, "Mesh file instead of the synthetic bust");
   app.add_option("--height", choice.height, "Of the object [mm]")->check(CLI::PositiveNumber)->capture_default_str();
@@ -46,6 +48,10 @@ int run(int argc, char** argv) {
   app.add_flag("!--no-paths", paths, "Leave out the path tracer");
   app.add_flag("!--no-fit", fit, "Leave out the fit");
   app.add_flag("!--no-image-space", image_space, "Leave out image-space sampling");
+  app.add_option("--calibration", repetitions,
+                 "Repetitions of noisy fits, 500 for the figures asked (a minute; 0: none)")
+      ->check(CLI::Range(0, 100000));
+  app.add_flag("--examination", examination, "Two views of 512 x 512: models compared, bootstrap");
   CLI11_PARSE(app, argc, argv);
   fmt::print("{}\n", machine());
   if (kernels) {
@@ -61,6 +67,8 @@ int run(int argc, char** argv) {
   if (image_space) print_image_space_figures(choice);
   if (paths) print_figures("Transport, 64 x 64 pixels, " + choice.material, path_figures(choice));
   if (fit) print_figures("Fit: " + title, fit_figures(choice));
+  if (examination) print_figures("Examination of a large fit: " + title, examination_figures(choice));
+  if (repetitions > 0) print_figures("Calibration of the fit, 40 x 40 pixels", calibration_figures(repetitions));
   return 0;
 }
 
