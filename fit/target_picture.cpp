@@ -41,6 +41,7 @@ std::vector<int> colours(const Image& image) {
 
 /// Stored values at or above the limit in any colour: the pixel is not usable.
 void drop_saturated(const Image& stored, double limit, TargetPicture& out) {
+  if (!std::isfinite(limit)) return;  // infinite values are an error then, not saturated
   for (std::size_t p = 0; p < stored.pixel_count(); ++p) {
     bool full = false;
     for (const int c : colours(stored))
