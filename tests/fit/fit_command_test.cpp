@@ -112,7 +112,8 @@ TEST_F(FitCommand, WithoutDeterminedParametersThereIsNoNumber) {
   Image two_pixels(20, 20, {"Y"});
   two_pixels.at(9, 9, 0) = two_pixels.at(10, 9, 0) = 1;
   write_exr(folder_.file("data/mask.exr"), two_pixels);
-  const std::string fit = "scene.json --target target.exr --samples 600 --starts 2 --mask mask.exr ";
+  const std::string fit =
+      "scene.json --target target.exr --samples 600 --starts 2 --mask mask.exr --model standard_dipole --parabola ";
   const Ending e = run(fit + "--out result");
   EXPECT_EQ(e.status, 1) << e.err;
   EXPECT_THAT(e.err, HasSubstr("the pictures do not determine sigma_a_per_mm[R]"));
