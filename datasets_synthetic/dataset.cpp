@@ -67,6 +67,15 @@ bool shows_something(const Image& image) {
 
 nlohmann::json to_json(const Rgb& v) { return {v.r, v.g, v.b}; }
 
+/// The profile a recipe is rendered with; path_traced has none.
+std::string profile_of(const Recipe& recipe) {
+  const auto chosen = recipe.settings.find("profile");
+  if (chosen != recipe.settings.end()) return chosen->second;
+  for (const SettingSpec& spec : find_technique(recipe.technique).settings)
+    if (spec.key == "profile") return spec.fallback;
+  return "";
+}
+
 nlohmann::json truth_of(const Recipe& recipe, const Material& material, const std::array<double, 3>& noise_sd) {
   return {{"format", "opaline-truth"},
           {"version", 1},
@@ -76,10 +85,23 @@ nlohmann::json truth_of(const Recipe& recipe, const Material& material, const st
            {{"sigma_a_per_mm", to_json(material.sigma_a)},
             {"sigma_s_prime_per_mm", to_json(material.sigma_s_prime)},
             {"eta", material.eta}}},
+          {"technique", recipe.technique},
+          {"profile", profile_of(recipe)},
           {"noise_sd", noise_sd},
           {"noise_relative", recipe.noise_relative},
           {"seed", recipe.seed},
           {"starts", recipe.starts}};
+}
+
+/// The renderer's own variance, if it has one, and the noise added since, as the layer "variance" of the target.
+void add_variance_layer(const std::map<std::string, Image>& layers, const std::array<double, 3>& sd, Image& target) {
+  const auto layer = layers.find("variance");
+  if (layer == layers.end()) return;
+  Image variance = layer->second;
+  for (std::size_t c = 0; c < 3; ++c)
+    for (std::size_t i = c; i < variance.data.size(); i += variance.channels.size())
+      variance.data[i] += static_cast<float>(sd[c] * sd[c]);
+  target = with_layers(target, {{"variance", variance}});
 }
 
 RenderOptions render_options(const Recipe& recipe) {
@@ -146,6 +168,7 @@ Dataset compute_dataset(const Recipe& recipe, const ShapeLibrary& shapes, const 
   dataset.header = image_header(scene, options, result);
   dataset.clean = dataset.target = result.image;
   const std::array<double, 3> sd = add_noise(dataset.target, recipe.noise_relative, recipe.seed);
+  add_variance_layer(result.layers, sd, dataset.target);
   dataset.truth = truth_of(recipe, scene.materials[static_cast<std::size_t>(material)], sd);
   return dataset;
 }

@@ -1,5 +1,8 @@
 #include "fit/fit_job.h"
 
+#include "fit/profile_interval.h"
+#include "fit/reduced_picture.h"
+#include "fit/residual_structure.h"
 #include "render/choices.h"
 #include "render/input_error.h"
 #include "render/stopwatch.h"
@@ -9,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 
 namespace opaline {
 namespace {
@@ -18,6 +22,14 @@ void check_counts(const FitJob& job) {
   if (job.scenes.size() != 1 && job.scenes.size() != job.targets.size())
     throw InputError("SCENE", "",
                      fmt::format("{} scenes for {} targets: give one scene for all, or one each", job.scenes.size(),
+                                 job.targets.size()));
+  if (job.exposures.size() > 1 && job.exposures.size() != job.targets.size())
+    throw InputError("--exposure", "",
+                     fmt::format("{} exposures for {} targets: give none, one for all, or one each",
+                                 job.exposures.size(), job.targets.size()));
+  if (!job.repeats.empty() && job.repeats.size() != job.targets.size())
+    throw InputError("--repeat", "",
+                     fmt::format("{} second captures for {} targets: give none, or one each", job.repeats.size(),
                                  job.targets.size()));
   if (job.masks.size() > 1 && job.masks.size() != job.targets.size())
     throw InputError("--mask", "",
@@ -52,17 +64,6 @@ int fitted_material(const Scene& scene, const std::string& name) {
   return found;
 }
 
-std::vector<float> read_mask(const std::string& path, const Scene& scene) {
-  const Image image = read_image(path);
-  if (image.width != scene.film.width || image.height != scene.film.height)
-    throw InputError(path, "",
-                     fmt::format("the mask is {} x {} pixels, but the scene's film is {} x {}", image.width,
-                                 image.height, scene.film.width, scene.film.height));
-  std::vector<float> mask(image.pixel_count());
-  for (std::size_t i = 0; i < mask.size(); ++i) mask[i] = image.data[i * image.channels.size()];
-  return mask;
-}
-
 /// eta is free: nodes over its range. Fixed: the scene's own value, exactly.
 EtaNodes eta_nodes(const FitJob& job, const Scene& scene, int material) {
   const ParameterBounds& bounds = job.solve.bounds;
@@ -94,7 +95,15 @@ std::vector<Loaded> load_scenes(const FitJob& job, const ShapeLibrary& shapes) {
   return loaded;
 }
 
-/// The operator of one target.
+TargetOptions options_of(const FitJob& job, std::size_t i) {
+  TargetOptions options = job.reading;
+  if (!job.masks.empty()) options.mask = job.masks[std::min(i, job.masks.size() - 1)];
+  if (!job.exposures.empty()) options.exposure = job.exposures[std::min(i, job.exposures.size() - 1)];
+  if (!job.repeats.empty()) options.repeat = job.repeats[i];
+  return options;
+}
+
+/// The operator of the pixels that any target of this scene uses.
 TransportOperator usable_operator(const FitJob& job, const Loaded& loaded, const std::vector<float>& mask) {
   const Scene& scene = *loaded.scene;
   TransportOperator op = build_operator(scene, loaded.material, eta_nodes(job, scene, loaded.material), job.op, mask);
@@ -103,26 +112,125 @@ TransportOperator usable_operator(const FitJob& job, const Loaded& loaded, const
   return op;
 }
 
+/// Targets of one scene, such as exposures of one view, share its operator.
+struct SceneGroup {
+  std::size_t first;
+  std::vector<std::size_t> targets;
+};
+
+std::vector<SceneGroup> group_by_scene(const std::vector<Loaded>& loaded) {
+  std::vector<SceneGroup> groups;
+  for (std::size_t i = 0; i < loaded.size(); ++i) {
+    const auto same = std::find_if(groups.begin(), groups.end(),
+                                   [&](const SceneGroup& g) { return loaded[g.first].scene == loaded[i].scene; });
+    if (same == groups.end())
+      groups.push_back({i, {i}});
+    else
+      same->targets.push_back(i);
+  }
+  return groups;
+}
+
+std::vector<float> union_of_masks(const std::vector<TargetPicture>& pictures, const SceneGroup& group) {
+  std::vector<float> any = pictures[group.first].usable;
+  for (const std::size_t i : group.targets)
+    for (std::size_t p = 0; p < any.size(); ++p) any[p] = std::max(any[p], pictures[i].usable[p]);
+  return any;
+}
+
 FittedTarget describe(const FitJob& job, const Loaded& loaded, const FitTarget& fitted, std::size_t i,
-                      const ProfileInfo& profile, const Material& material) {
+                      const ProfileInfo& profile, const FitReport& report) {
   FittedTarget out;
   out.scene = job.scenes[std::min(i, job.scenes.size() - 1)];
   out.target = job.targets[i];
-  out.refit = operator_image(fitted.op, profile, material);
+  out.scale = std::exp(report.solution.ln_scale[i]);
+  out.noise = fitted.noise;
+  out.refit = target_image(fitted, profile, report.material, out.scale);
   out.picture = out.difference = Image(out.refit.width, out.refit.height, {"R", "G", "B", "A"});
-  const Image picture = read_image(out.target);
-  for (const std::uint32_t pixel : fitted.op.pixels)
+  for (std::size_t row = 0; row < fitted.rows(); ++row)
     for (std::size_t c = 0; c < 4; ++c) {
-      const std::size_t at = pixel * 4u + c;
-      const float value = c == 3 ? 1
-                                 : picture.data[pixel * picture.channels.size() +
-                                                static_cast<std::size_t>(picture.channel(std::string(1, "RGB"[c])))];
+      const std::size_t at = fitted.op.pixels[row] * 4u + c;
+      const auto column =
+          static_cast<Eigen::Index>(std::min<std::size_t>(c, static_cast<std::size_t>(fitted.channels) - 1));
+      const float value = c == 3 ? 1 : static_cast<float>(fitted.picture(static_cast<Eigen::Index>(row), column));
       out.picture.data[at] = value;
       out.difference.data[at] = c == 3 ? 1 : out.refit.data[at] - value;
     }
-  out.operator_error = operator_error(*loaded.scene, fitted.op, job.op, profile, material, loaded.material);
+  out.neighbour_correlation = neighbour_correlation(out.difference);
+  out.operator_error = operator_error(*loaded.scene, fitted, job.op, profile, report.material, loaded.material);
   out.counters = fitted.op.counters;
   return out;
+}
+
+/// Reads all targets before any operator is gathered: wrong input ends early.
+std::vector<TargetPicture> read_targets(const FitJob& job, const std::vector<Loaded>& loaded) {
+  std::vector<TargetPicture> pictures;
+  for (std::size_t i = 0; i < job.targets.size(); ++i)
+    pictures.push_back(read_target(job.targets[i], *loaded[i].scene, options_of(job, i)));
+  return pictures;
+}
+
+/// Operators and reductions of all targets, in their order.
+std::vector<FitTarget> make_targets(const FitJob& job, const std::vector<Loaded>& loaded,
+                                    const std::vector<TargetPicture>& pictures, FitReport& report,
+                                    const std::function<void(const std::string&)>& stage) {
+  std::vector<std::optional<FitTarget>> made(job.targets.size());
+  Stopwatch watch;
+  std::size_t number = 0;
+  const std::vector<SceneGroup> groups = group_by_scene(loaded);
+  for (const SceneGroup& group : groups) {
+    stage(fmt::format("operator {}/{}", ++number, groups.size()));
+    watch.lap();
+    TransportOperator op = usable_operator(job, loaded[group.first], union_of_masks(pictures, group));
+    report.operator_seconds += op.seconds;
+    stage("reduce");
+    for (const std::size_t i : group.targets) {
+      const bool alone = group.targets.size() == 1;
+      made[i] = make_target(alone ? std::move(op) : some_rows(op, pictures[i].usable), pictures[i].linear,
+                            job.targets[i], pictures[i].noise);
+      made[i]->scale_free = job.scale_free;
+    }
+    report.solve_seconds += watch.lap() - made[group.first]->op.seconds;
+  }
+  std::vector<FitTarget> targets;
+  for (auto& target : made) targets.push_back(std::move(*target));
+  return targets;
+}
+
+/// Covariance, intervals, words and repetitions of the solution.
+void examine(const FitJob& job, const std::vector<FitTarget>& targets, const ProfileInfo& profile,
+             const std::function<void(const std::string&)>& stage, FitReport& report) {
+  const Solution& s = report.solution;
+  report.uncertainty = uncertainty(s, job.solve.free);
+  const FitProblem problem(targets, s.whitened, profile, report.job.solve, s.bounds);
+  if (job.profile_intervals && job.solve.loss.kind == RobustLoss::Kind::squares)
+    profile_intervals(problem, s, report.uncertainty);
+  report.diagnosis = diagnose(s, report.uncertainty);
+  if (job.bootstrap == 0) return;
+  stage("bootstrap");
+  report.repetitions = bootstrap(problem, s, job.bootstrap, job.solve.seed);
+}
+
+/// What the residual says against the fit, whatever its size.
+void add_residual_notes(FitReport& report) {
+  std::vector<std::string>& notes = report.uncertainty.notes;
+  for (const FittedTarget& t : report.targets) {
+    const double sigmas = t.neighbour_correlation * std::sqrt(static_cast<double>(t.counters.done.at("rows")));
+    if (t.neighbour_correlation > 0.1 && sigmas > 6)
+      notes.push_back(
+          fmt::format("{}: the residual is not noise (neighbours correlate by {:.2f}): the model, the scene's "
+                      "description or shared "
+                      "noise leaves structure, and the intervals do not cover it",
+                      t.target, t.neighbour_correlation));
+  }
+  const double misfit = report.solution.chi_squared / std::max(report.solution.freedom, 1.0);
+  bool known = false;
+  for (const FittedTarget& t : report.targets) known |= t.noise.known;
+  if (known && misfit > 1.2)
+    notes.push_back(
+        fmt::format("the residual is {:.2f} times the stated noise (chi-squared {:.2f} per value): the model "
+                    "or the noise is not right, and the intervals are too narrow by about that factor",
+                    std::sqrt(misfit), misfit));
 }
 
 }  // namespace
@@ -132,37 +240,38 @@ FitReport run_fit(const FitJob& job, const ShapeLibrary& shapes,
   const auto stage = [&](const std::string& name) {
     if (progress) progress(name);
   };
-  Stopwatch total, watch;
   check_counts(job);
   const ProfileInfo& profile = model_of(job);
+  Stopwatch total;
   stage("load");
   const std::vector<Loaded> loaded = load_scenes(job, shapes);
+  const std::vector<TargetPicture> pictures = read_targets(job, loaded);
   FitReport report;
   report.job = job;
-  std::vector<FitTarget> targets;
-  for (std::size_t i = 0; i < job.targets.size(); ++i) {
-    const Scene& scene = *loaded[i].scene;
-    const Image picture = read_image(job.targets[i]);
-    check_target(picture, scene, job.targets[i]);
-    std::vector<float> mask;
-    if (!job.masks.empty()) mask = read_mask(job.masks[std::min(i, job.masks.size() - 1)], scene);
-    stage(fmt::format("operator {}/{}", i + 1, job.targets.size()));
-    watch.lap();
-    TransportOperator op = usable_operator(job, loaded[i], mask);
-    report.operator_seconds += op.seconds;
-    stage("reduce");
-    targets.push_back(make_target(std::move(op), picture, job.targets[i]));
-    report.solve_seconds += watch.lap() - targets.back().op.seconds;
-  }
+  const std::vector<FitTarget> targets = make_targets(job, loaded, pictures, report, stage);
   stage("solve");
   const Material& initial = loaded.front().scene->materials[static_cast<std::size_t>(loaded.front().material)];
   report.solution = solve(targets, profile, initial, report.job.solve);
   report.solve_seconds += report.solution.seconds;
-  report.uncertainty = uncertainty(report.solution, report.job.solve.free);
+  examine(job, targets, profile, stage, report);
   report.material = to_material(report.solution.parameters, initial, job.solve.free);
   stage("check");
-  for (std::size_t i = 0; i < targets.size(); ++i)
-    report.targets.push_back(describe(job, loaded[i], targets[i], i, profile, report.material));
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    report.targets.push_back(describe(job, loaded[i], targets[i], i, profile, report));
+    report.targets[i].saturated = pictures[i].saturated;
+    report.targets[i].near_highlights = pictures[i].near_highlights;
+  }
+  add_residual_notes(report);
+  if (job.compare_models) {
+    stage("compare");
+    report.comparison =
+        compare_models(targets, job.model, report.solution, report.uncertainty, report.material, job.solve);
+  }
+  if (job.advise) {
+    stage("advise");
+    report.advice = advise(*loaded.front().scene, loaded.front().material, profile, report.solution, report.uncertainty,
+                           job.solve.free, std::clamp(report.solution.relative_rmse, 1e-4, 0.1));
+  }
   report.total_seconds = total.lap();
   return report;
 }

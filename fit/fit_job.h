@@ -1,11 +1,17 @@
 // The whole fit: scenes and pictures in, a material with uncertainties out.
 #pragma once
 
+#include "fit/advise.h"
+#include "fit/bootstrap.h"
+#include "fit/compare_models.h"
+#include "fit/diagnosis.h"
 #include "fit/solve.h"
+#include "fit/target_picture.h"
 #include "fit/uncertainty.h"
 #include "render/scene/scene.h"
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,10 +19,18 @@ namespace opaline {
 
 struct FitJob {
   std::vector<std::string> scenes;   ///< one for all targets, or one per target
-  std::vector<std::string> targets;  ///< linear pictures (EXR), channels R, G, B
+  std::vector<std::string> targets;  ///< pictures, channels R, G, B or one alone
   std::vector<std::string> masks;    ///< none, one for all, or one per target; first channel > 0: use
   std::string material;              ///< which of the scene's materials; empty: the only one in use
-  std::string model = "standard_dipole";
+  std::string model = "transport_table";
+  TargetOptions reading;             ///< of every target; its mask, exposure and repeat come from the lists here
+  std::vector<double> exposures;     ///< none, one for all, or one per target
+  std::vector<std::string> repeats;  ///< second captures: none, or one per target
+  bool scale_free = false;           ///< each target's brightness is known up to a factor
+  bool compare_models = false;       ///< fit every isotropic profile to the same operator
+  bool profile_intervals = true;     ///< correct intervals where the likelihood is no parabola
+  int bootstrap = 0;                 ///< refits with other noise
+  bool advise = false;               ///< which further picture would help most
   OperatorSettings op;
   SolveSettings solve;
 };
@@ -32,6 +46,10 @@ struct OperatorError {
 struct FittedTarget {
   std::string scene, target;
   Image picture, refit, difference;  ///< RGBA; difference = refit - picture, alpha 1 where fitted
+  double scale = 1;                  ///< the picture is this times the scene's radiance
+  NoiseModel noise;
+  std::size_t saturated = 0, near_highlights = 0;  ///< pixels left out
+  double neighbour_correlation = 0;  ///< of the whitened residual with its right and lower neighbours: 0 for noise
   OperatorError operator_error;      ///< of the refit
   Counters counters;
 };
@@ -42,6 +60,10 @@ struct FitReport {
   Solution solution;
   Uncertainty uncertainty;
   std::vector<FittedTarget> targets;
+  Diagnosis diagnosis;
+  std::optional<ModelComparison> comparison;
+  std::optional<Bootstrap> repetitions;
+  std::vector<Advice> advice;
   double operator_seconds = 0, solve_seconds = 0, total_seconds = 0;
 };
 
@@ -54,6 +76,9 @@ FitReport run_fit(const FitJob& job, const ShapeLibrary& shapes,
 /// Of the operator's picture of `material`, on at most `pixels` of its rows, against the hierarchical gather with
 /// rigorous bounds of 1e-4 (render/irradiance/irradiance.md), both with the same cells.
 OperatorError operator_error(const Scene& scene, const TransportOperator& op, const OperatorSettings& settings,
+                             const ProfileInfo& profile, const Material& material, int material_index,
+                             std::size_t pixels = 256);
+OperatorError operator_error(const Scene& scene, const FitTarget& target, const OperatorSettings& settings,
                              const ProfileInfo& profile, const Material& material, int material_index,
                              std::size_t pixels = 256);
 

@@ -1,5 +1,8 @@
 #include "fit/fit_output.h"
 
+#include "fit/examination_json.h"
+#include "fit/report/fit_report.h"
+
 #include "render/input_error.h"
 #include "render/scene/json_object.h"
 
@@ -18,7 +21,7 @@ json number(double value) { return std::isfinite(value) ? json(value) : json(nul
 
 /// One of the two RGB groups: entries first, first + 1, first + 2.
 json group(const Uncertainty& u, int first) {
-  json value, sd, ci, identifiable, reason;
+  json value, sd, ci, identifiable, reason, interval, free;
   for (int c = 0; c < 3; ++c) {
     const ParameterEstimate& e = u.parameters[static_cast<std::size_t>(first + c)];
     value.push_back(number(e.value));
@@ -26,10 +29,14 @@ json group(const Uncertainty& u, int first) {
     ci.push_back({number(e.low), number(e.high)});
     identifiable.push_back(e.identifiable);
     reason.push_back(e.reason);
+    interval.push_back(e.interval);
+    free.push_back(e.free);
   }
-  return {{"value", value},   {"sd", sd},
-          {"ci95", ci},       {"identifiable", identifiable},
-          {"reason", reason}, {"free", u.parameters[static_cast<std::size_t>(first)].free}};
+  const bool same = free[0] == free[1] && free[1] == free[2];
+  return {{"value", value},      {"sd", sd},
+          {"ci95", ci},          {"identifiable", identifiable},
+          {"reason", reason},    {"free", same ? free[0] : free},
+          {"interval", interval}};
 }
 
 json parameters_json(const Uncertainty& u) {
@@ -42,6 +49,7 @@ json parameters_json(const Uncertainty& u) {
             {"ci95", {number(eta.low), number(eta.high)}},
             {"identifiable", eta.identifiable},
             {"reason", eta.reason},
+            {"interval", eta.interval},
             {"free", eta.free}}}};
 }
 
@@ -94,6 +102,14 @@ json targets_json(const FitReport& report) {
                        {"operator_relative_error", number(t.operator_error.rms)},
                        {"operator_relative_error_at_most", number(t.operator_error.at_most)},
                        {"noise_sd", report.solution.noise_sd[i]},
+                       {"noise_from", t.noise.source},
+                       {"noise_read_sd", t.noise.read_sd},
+                       {"noise_shot", t.noise.shot},
+                       {"noise_channel_correlation", matrix_json(report.solution.noise_correlation[i])},
+                       {"residual_neighbour_correlation", number(t.neighbour_correlation)},
+                       {"scale", number(t.scale)},
+                       {"saturated_pixels", t.saturated},
+                       {"pixels_near_highlights", t.near_highlights},
                        {"counters", {{"done", t.counters.done}, {"skipped", t.counters.skipped}}}});
   }
   return targets;
@@ -119,28 +135,39 @@ json material_json(const Material& m) {
 nlohmann::json fit_json(const FitReport& report) {
   json names = json::array();
   for (int i = 0; i < parameter_count; ++i) names.push_back(parameter_name(i));
+  if (report.job.scale_free)
+    for (std::size_t t = 0; t < report.targets.size(); ++t) names.push_back(fmt::format("ln scale[{}]", t + 1));
   const Solution& s = report.solution;
-  return {{"format", "opaline-fit"},
-          {"version", 1},
-          {"model", report.job.model},
-          {"material", report.material.name},
-          {"parameters", parameters_json(report.uncertainty)},
-          {"alpha_prime", alpha_json(report.uncertainty)},
-          {"rmse", number(s.rmse)},
-          {"relative_rmse", number(s.relative_rmse)},
-          {"noise_sd", number(noise_sd(s))},
-          {"correlation", matrix_json(report.uncertainty.correlation)},
-          {"correlation_order", names},
-          {"condition_number", number(report.uncertainty.condition)},
-          {"notes", report.uncertainty.notes},
-          {"starts", s.starts.size()},
-          {"best_start", s.best_start},
-          {"iterations", s.iterations},
-          {"converged", s.converged},
-          {"start_records", starts_json(s)},
-          {"targets", targets_json(report)},
-          {"seconds",
-           {{"operator", report.operator_seconds}, {"solve", report.solve_seconds}, {"total", report.total_seconds}}}};
+  json document = {
+      {"format", "opaline-fit"},
+      {"version", 1},
+      {"model", report.job.model},
+      {"material", report.material.name},
+      {"parameters", parameters_json(report.uncertainty)},
+      {"alpha_prime", alpha_json(report.uncertainty)},
+      {"rmse", number(s.rmse)},
+      {"relative_rmse", number(s.relative_rmse)},
+      {"noise_sd", number(noise_sd(s))},
+      {"correlation", matrix_json(report.uncertainty.correlation)},
+      {"correlation_order", names},
+      {"condition_number", number(report.uncertainty.condition)},
+      {"notes", report.uncertainty.notes},
+      {"starts", s.starts.size()},
+      {"best_start", s.best_start},
+      {"iterations", s.iterations},
+      {"converged", s.converged},
+      {"start_records", starts_json(s)},
+      {"targets", targets_json(report)},
+      {"seconds",
+       {{"operator", report.operator_seconds}, {"solve", report.solve_seconds}, {"total", report.total_seconds}}}};
+  document["determined"] = report.diagnosis.determined;
+  document["refusal"] = report.diagnosis.refusal;
+  document["chi_squared_per_value"] = number(s.chi_squared / std::max(s.freedom, 1.0));
+  document["diagnosis"] = diagnosis_json(report.diagnosis);
+  if (report.comparison) document["models"] = comparison_json(*report.comparison);
+  if (report.repetitions) document["bootstrap"] = bootstrap_json(*report.repetitions, names);
+  if (!report.advice.empty()) document["advice"] = advice_json(report.advice);
+  return document;
 }
 
 Image signed_colours(const Image& difference, double scale) {
@@ -158,7 +185,7 @@ Image signed_colours(const Image& difference, double scale) {
   return out;
 }
 
-std::vector<std::string> write_fit(const FitReport& report, const std::string& directory) {
+std::vector<std::string> write_fit(const FitReport& report, const std::string& directory, bool usable) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   if (error) throw InputError(directory, "", "the output folder cannot be made: " + error.message());
@@ -180,7 +207,8 @@ std::vector<std::string> write_fit(const FitReport& report, const std::string& d
     write_png(place("difference" + suffix + ".png"),
               signed_colours(t.difference, 4 * std::max(noise_sd(report.solution), 1e-12)));
   }
-  write_text_atomically(place("material.json"), material_json(report.material).dump(2) + "\n");
+  if (usable) write_text_atomically(place("material.json"), material_json(report.material).dump(2) + "\n");
+  write_text_atomically(place("report.html"), fit_report_html(report));
   write_text_atomically(place("fit.json"), fit_json(report).dump(2) + "\n");
   return written;
 }

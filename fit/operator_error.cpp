@@ -1,4 +1,5 @@
 #include "fit/fit_job.h"
+#include "fit/reduced_picture.h"
 #include "render/irradiance/profile_gather.h"
 #include "render/techniques/technique.h"
 
@@ -17,11 +18,10 @@ GBuffer some_points(const GBuffer& view, const TransportOperator& op, std::size_
   return some;
 }
 
-}  // namespace
-
-OperatorError operator_error(const Scene& scene, const TransportOperator& op, const OperatorSettings& settings,
-                             const ProfileInfo& profile, const Material& material, int material_index,
-                             std::size_t pixels) {
+/// `expanded` against a fresh gather at some of the operator's pixels.
+OperatorError error_of(const Scene& scene, const TransportOperator& op, const Image& expanded,
+                       const OperatorSettings& settings, const ProfileInfo& profile, const Material& material,
+                       int material_index, std::size_t pixels) {
   Scene with = scene;
   with.materials[static_cast<std::size_t>(material_index)] = material;
   SharedScene shared(with, {settings.samples, settings.irradiance});
@@ -31,7 +31,7 @@ OperatorError operator_error(const Scene& scene, const TransportOperator& op, co
       reference.settings,
       {{"max_relative_error", "1e-4"}, {"criterion", "bound"}, {"discretisation", "fixed"}, {"profile", profile.name}});
   const Frame frame = reference.prepare(shared, tight)->render(shared.view);
-  const Image gathered = shade(with, shared.view, frame, op.lobe), expanded = operator_image(op, profile, material);
+  const Image gathered = shade(with, shared.view, frame, op.lobe);
   const Image bound = shade_layers(with, shared.view, frame, op.lobe).at("bound");
   double error = 0, at_most = 0, norm = 0;
   for (const VisiblePoint& p : shared.view.points)
@@ -45,6 +45,22 @@ OperatorError operator_error(const Scene& scene, const TransportOperator& op, co
     }
   if (norm <= 0) return {};
   return {std::sqrt(error / norm), std::sqrt(at_most / norm)};
+}
+
+}  // namespace
+
+OperatorError operator_error(const Scene& scene, const TransportOperator& op, const OperatorSettings& settings,
+                             const ProfileInfo& profile, const Material& material, int material_index,
+                             std::size_t pixels) {
+  return error_of(scene, op, operator_image(op, profile, material), settings, profile, material, material_index,
+                  pixels);
+}
+
+OperatorError operator_error(const Scene& scene, const FitTarget& target, const OperatorSettings& settings,
+                             const ProfileInfo& profile, const Material& material, int material_index,
+                             std::size_t pixels) {
+  return error_of(scene, target.op, target_image(target, profile, material), settings, profile, material,
+                  material_index, pixels);
 }
 
 }  // namespace opaline

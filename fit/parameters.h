@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <string>
+#include <vector>
 
 namespace opaline {
 
@@ -17,7 +18,16 @@ inline constexpr int eta_index = 6;
 
 struct FreeParameters {
   bool sigma_a = true, sigma_s_prime = true, eta = true;
-  bool is_free(int i) const { return i < 3 ? sigma_a : (i < 6 ? sigma_s_prime : eta); }
+  std::array<bool, parameter_count> held{};  ///< single ones kept although their group is free
+  bool is_free(int i) const {
+    return (i < 3 ? sigma_a : (i < 6 ? sigma_s_prime : eta)) && !held[static_cast<std::size_t>(i)];
+  }
+};
+
+/// What is known beforehand of one of the solver's parameters: a normal distribution.
+struct Prior {
+  int parameter;
+  double mean, sd;  ///< of ln sigma or eta
 };
 
 struct ParameterBounds {
@@ -37,7 +47,11 @@ Material to_material(const ParameterVector& parameters, const Material& base, co
 /// The solver's value as the user's: exp of it for coefficients.
 double natural_value(int i, double value);
 
-/// "sigma_a,sigma_s_prime,eta" -> flags. Throws InputError naming the valid words.
+/// "sigma_a,sigma_s_prime,eta" -> flags; one channel is "sigma_a[R]". Throws InputError naming the valid words.
 FreeParameters parse_free(const std::string& text);
+
+/// "eta=1.4:0.05" (mean, standard deviation; of coefficients in 1/mm, all channels or one: "sigma_a[R]=0.03:0.01").
+/// Coefficients have a log-normal prior of relative width sd/mean. Throws InputError.
+std::vector<Prior> parse_prior(const std::string& text);
 
 }  // namespace opaline

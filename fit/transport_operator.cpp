@@ -175,31 +175,65 @@ TransportOperator build_operator(const Scene& scene, int material, const EtaNode
   return op;
 }
 
-ColumnCoefficients column_coefficients(const TransportOperator& op, const ProfileInfo& profile,
-                                       const Medium<double>& medium, int channel) {
+TransportOperator some_rows(const TransportOperator& op, const std::vector<float>& mask) {
+  TransportOperator out = op;
+  out.pixels.clear(), out.values.clear();
+  const std::size_t length = op.columns() * static_cast<std::size_t>(op.light_channels);
+  for (std::size_t p = 0; p < op.rows(); ++p) {
+    if (!(mask[op.pixels[p]] > 0)) {
+      ++out.counters.skipped["masked_pixels"];
+      continue;
+    }
+    out.pixels.push_back(op.pixels[p]);
+    out.values.insert(out.values.end(), op.row(p, 0), op.row(p, 0) + length);
+  }
+  out.counters.done["rows"] = out.rows();
+  return out;
+}
+
+EtaFactors eta_factors(const TransportOperator& op, double eta) {
   using Dual = ceres::Jet<double, 1>;
-  const Dual eta(medium.eta, 0);
-  const std::vector<Dual> basis = op.etas.basis(eta);
-  const Dual scale =
-      Dual(op.light_channels == 1 ? op.colour[channel] : 1.0) / (pi * exit_lobe_normalisation(eta, op.lobe));
+  const Dual variable(eta, 0);
+  const Dual scale = 1.0 / (pi * exit_lobe_normalisation(variable, op.lobe));
+  EtaFactors out;
+  for (const Dual& l : op.etas.basis(variable)) {
+    out.value.push_back((scale * l).a);
+    out.d_eta.push_back((scale * l).v[0]);
+  }
+  return out;
+}
+
+std::vector<ProfileGradient> radial_coefficients(const TransportOperator& op, const ProfileInfo& profile,
+                                                 const Medium<double>& medium) {
   const std::unique_ptr<Profile> formula = profile.make(medium);
   const SoftenedProfile visible(*formula, std::sqrt(op.radial.x_0()));
-  std::vector<ProfileGradient> at_node;
-  for (int n = 0; n < op.radial.size(); ++n) at_node.push_back(visible.evaluate_with_gradient(op.radial.radius(n)));
+  std::vector<ProfileGradient> out;
+  for (int n = 0; n < op.radial.size(); ++n) {
+    const ProfileGradient g = visible.evaluate_with_gradient(op.radial.radius(n));
+    const double w = op.radial.weight(n);
+    out.push_back({w * g.value, w * g.d_sigma_a, w * g.d_sigma_s_prime, w * g.d_eta});
+  }
+  return out;
+}
+
+ColumnCoefficients column_coefficients(const TransportOperator& op, const ProfileInfo& profile,
+                                       const Medium<double>& medium, int channel) {
+  EtaFactors factors = eta_factors(op, medium.eta);
+  for (std::size_t k = 0; k < factors.value.size(); ++k) {
+    factors.value[k] *= op.light_colour(channel);
+    factors.d_eta[k] *= op.light_colour(channel);
+  }
+  const std::vector<ProfileGradient> radial = radial_coefficients(op, profile, medium);
   ColumnCoefficients out;
   for (std::vector<double>* v : {&out.value, &out.d_sigma_a, &out.d_sigma_s_prime, &out.d_eta})
     v->reserve(op.columns());
-  for (const Dual& l : basis) {
-    const Dual factor = scale * l;
-    for (int n = 0; n < op.radial.size(); ++n) {
-      const ProfileGradient& g = at_node[static_cast<std::size_t>(n)];
-      const double w = op.radial.weight(n);
-      out.value.push_back(w * factor.a * g.value);
-      out.d_sigma_a.push_back(w * factor.a * g.d_sigma_a);
-      out.d_sigma_s_prime.push_back(w * factor.a * g.d_sigma_s_prime);
-      out.d_eta.push_back(w * (factor.a * g.d_eta + factor.v[0] * g.value));
+  for (std::size_t k = 0; k < factors.value.size(); ++k)
+    for (const ProfileGradient& g : radial) {
+      out.value.push_back(factors.value[k] * g.value);
+      out.d_sigma_a.push_back(factors.value[k] * g.d_sigma_a);
+      out.d_sigma_s_prime.push_back(factors.value[k] * g.d_sigma_s_prime);
+      out.d_eta.push_back(factors.value[k] * g.d_eta + factors.d_eta[k] * g.value);
     }
-  }
   return out;
 }
 

@@ -46,6 +46,8 @@ struct TransportOperator {
   }
   /// Which of the light channels colour channel c uses.
   int light_channel(int c) const { return light_channels == 1 ? 0 : c; }
+  /// What its values are to be multiplied by.
+  double light_colour(int c) const { return light_channels == 1 ? colour[c] : 1; }
 };
 
 /// Gathers the operator for all pixels that see an object of `material` and pass the mask (one value
@@ -53,8 +55,21 @@ struct TransportOperator {
 TransportOperator build_operator(const Scene& scene, int material, const EtaNodes& etas,
                                  const OperatorSettings& settings, const std::vector<float>& mask = {});
 
-/// Coefficients of the operator's columns for colour channel c of a medium, and their derivatives
-/// with respect to sigma_a, sigma_s', eta. Each has columns() entries.
+/// The rows of the operator whose pixels pass the mask (one value per film pixel, > 0 passes).
+TransportOperator some_rows(const TransportOperator& op, const std::vector<float>& mask);
+
+/// What multiplies the operator's eta nodes: l_k(eta) / (pi c(eta)), and its derivative.
+struct EtaFactors {
+  std::vector<double> value, d_eta;
+};
+EtaFactors eta_factors(const TransportOperator& op, double eta);
+
+/// What multiplies its radial nodes: w_n R(r_n), and its derivatives.
+std::vector<ProfileGradient> radial_coefficients(const TransportOperator& op, const ProfileInfo& profile,
+                                                 const Medium<double>& medium);
+
+/// The product of both and the light's colour: coefficients of the operator's columns for colour channel c of a medium,
+/// and their derivatives with respect to sigma_a, sigma_s', eta. Each has columns() entries.
 struct ColumnCoefficients {
   std::vector<double> value, d_sigma_a, d_sigma_s_prime, d_eta;
 };

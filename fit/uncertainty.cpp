@@ -13,11 +13,19 @@ constexpr double normal_95 = 1.959963984540054;
 constexpr double same_fit = 1.92;   // half the 95 % point of chi-squared with one degree of freedom
 constexpr double largest_sd = 1e6;  // of ln sigma or eta: "nothing is known"
 
-std::vector<int> free_indices(const FreeParameters& free) {
-  std::vector<int> indices;
+/// Columns of the Jacobian that are free: parameters, then scales. Of a grey picture R's alone.
+std::vector<int> free_columns(const Solution& solution, const FreeParameters& free) {
+  std::vector<int> columns;
   for (int i = 0; i < parameter_count; ++i)
-    if (free.is_free(i)) indices.push_back(i);
-  return indices;
+    if (free.is_free(i) && !(solution.grey && i < eta_index && i % 3 != 0)) columns.push_back(i);
+  for (int i = parameter_count; i < static_cast<int>(solution.jacobian.cols()); ++i) columns.push_back(i);
+  return columns;
+}
+
+Eigen::MatrixXd picked(const Eigen::MatrixXd& jacobian, const std::vector<int>& columns) {
+  Eigen::MatrixXd out(jacobian.rows(), static_cast<Eigen::Index>(columns.size()));
+  for (std::size_t k = 0; k < columns.size(); ++k) out.col(static_cast<Eigen::Index>(k)) = jacobian.col(columns[k]);
+  return out;
 }
 
 /// Inverse of J^T J after scaling to unit columns; eigenvalues are kept from falling to zero.
@@ -52,11 +60,13 @@ void include_equal_fits(const Solution& solution, ParameterEstimate& e, const Va
 std::string why_not(int i, double value, double sd, const ParameterEstimate& e, const ParameterBounds& bounds) {
   const bool is_eta = i == eta_index;
   if (at_bound(i, value, bounds)) return "it ended at a bound of its range";
-  if (is_eta && normal_95 * sd > 0.25 * (bounds.eta_max - bounds.eta_min))
-    return "its 95 % interval covers more than half of its range";
-  if (!is_eta && 2 * normal_95 * sd > std::log(2.0)) return "its 95 % interval is wider than a factor of 2";
-  const bool elsewhere = is_eta ? e.high - e.low > 0.5 * (bounds.eta_max - bounds.eta_min) : e.high > 2 * e.low;
-  return elsewhere ? "values that other starts found fit as well" : "";
+  const bool wide = is_eta ? e.high - e.low > 0.5 * (bounds.eta_max - bounds.eta_min) : e.high > 2 * e.low;
+  const bool wide_parabola =
+      is_eta ? 2 * normal_95 * sd > 0.5 * (bounds.eta_max - bounds.eta_min) : 2 * normal_95 * sd > std::log(2.0);
+  if (e.interval == "parabola" ? wide_parabola : wide)
+    return is_eta ? "its 95 % interval covers more than half of its range"
+                  : "its 95 % interval is wider than a factor of 2";
+  return wide ? "values that other starts found fit as well" : "";
 }
 
 ParameterEstimate estimate(int i, const Solution& solution, double sd, bool free) {
@@ -119,28 +129,63 @@ void add_notes(Uncertainty& u, bool converged) {
         "the picture determines the albedo alpha' but not the coefficients apart: add a beam, an edge or a side light");
 }
 
+/// Names what a prior says rather than the picture: without it the interval is more than three times as wide.
+void note_priors(const Solution& solution, const std::vector<int>& columns, Uncertainty& u) {
+  if (solution.prior_rows == 0) return;
+  const Eigen::Index rows = solution.jacobian.rows();
+  const Eigen::MatrixXd data = solution.jacobian.topRows(rows - solution.prior_rows),
+                        prior = solution.jacobian.bottomRows(solution.prior_rows);
+  double condition = 0;
+  const Eigen::MatrixXd alone = invert(picked(data, columns), condition);
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const auto i = static_cast<Eigen::Index>(k);
+    if (columns[k] >= parameter_count || prior.col(columns[k]).norm() == 0) continue;
+    if (alone(i, i) > 9 * u.covariance(columns[k], columns[k]))
+      u.notes.push_back(fmt::format("{} comes from its prior: the pictures alone leave it {:.2g} times as wide",
+                                    parameter_name(columns[k]),
+                                    std::sqrt(alone(i, i) / u.covariance(columns[k], columns[k]))));
+  }
+}
+
 }  // namespace
+
+void include_starts_and_judge(const Solution& solution, Uncertainty& u) {
+  for (int i = 0; i < parameter_count; ++i) {
+    ParameterEstimate& e = u.parameters[static_cast<std::size_t>(i)];
+    if (!e.free || e.interval == "parabola") continue;
+    const int source = solution.grey && i < eta_index ? i - i % 3 : i;
+    include_equal_fits(solution, e, [source](const ParameterVector& p) {
+      return natural_value(source, p[static_cast<std::size_t>(source)]);
+    });
+    e.reason = why_not(source, solution.parameters[static_cast<std::size_t>(source)],
+                       std::sqrt(u.covariance(source, source)), e, solution.bounds);
+    e.identifiable = e.reason.empty();
+  }
+}
 
 Uncertainty uncertainty(const Solution& solution, const FreeParameters& free_parameters) {
   Uncertainty u;
-  const std::vector<int> free = free_indices(free_parameters);
-  Eigen::MatrixXd jacobian(solution.jacobian.rows(), static_cast<Eigen::Index>(free.size()));
-  for (std::size_t k = 0; k < free.size(); ++k)
-    jacobian.col(static_cast<Eigen::Index>(k)) = solution.jacobian.col(free[k]);
-  const Eigen::MatrixXd inverse = invert(jacobian, u.condition);
-  u.covariance = Eigen::MatrixXd::Zero(parameter_count, parameter_count);
+  const std::vector<int> free = free_columns(solution, free_parameters);
+  const Eigen::MatrixXd inverse = invert(picked(solution.jacobian, free), u.condition);
+  const Eigen::Index columns = std::max<Eigen::Index>(solution.jacobian.cols(), parameter_count);
+  u.covariance = Eigen::MatrixXd::Zero(columns, columns);
   for (std::size_t a = 0; a < free.size(); ++a)
     for (std::size_t b = 0; b < free.size(); ++b)
       u.covariance(free[a], free[b]) = inverse(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
-  u.correlation = Eigen::MatrixXd::Identity(parameter_count, parameter_count);
+  u.correlation = Eigen::MatrixXd::Identity(columns, columns);
   for (const int i : free)
     for (const int j : free)
       if (i != j) u.correlation(i, j) = u.covariance(i, j) / std::sqrt(u.covariance(i, i) * u.covariance(j, j));
-  for (int i = 0; i < parameter_count; ++i)
+  for (int i = 0; i < parameter_count; ++i) {
+    const int source = solution.grey && i < eta_index ? i - i % 3 : i;
     u.parameters[static_cast<std::size_t>(i)] =
-        estimate(i, solution, std::sqrt(u.covariance(i, i)), free_parameters.is_free(i));
-  for (int c = 0; c < 3; ++c) u.alpha_prime[static_cast<std::size_t>(c)] = derive_alpha(c, solution, u.covariance);
+        estimate(source, solution, std::sqrt(u.covariance(source, source)), free_parameters.is_free(source));
+  }
+  for (int c = 0; c < 3; ++c)
+    u.alpha_prime[static_cast<std::size_t>(c)] = derive_alpha(solution.grey ? 0 : c, solution, u.covariance);
+  for (Eigen::Index i = parameter_count; i < columns; ++i) u.scale_sd.push_back(std::sqrt(u.covariance(i, i)));
   add_notes(u, solution.converged);
+  note_priors(solution, free, u);
   return u;
 }
 

@@ -1,5 +1,6 @@
 #include "fit/cmd/fit_table.h"
 
+#include "fit/cmd/examination_table.h"
 #include "render/scene/json_object.h"
 
 #include <fmt/format.h>
@@ -22,10 +23,10 @@ std::string row(int i, const ParameterEstimate& e, const std::optional<Parameter
   std::string line = fmt::format("{:<24}", parameter_name(i));
   const double value = truth ? natural_value(i, (*truth)[static_cast<std::size_t>(i)]) : 0;
   if (truth) line += fmt::format("{:>12}", digits(value, 0));
+  if (!e.identifiable) return line + fmt::format("{:>12}  {:<22}  not determined: {}\n", "-", interval, e.reason);
   line += fmt::format("{:>12}  {:<22}", digits(e.value, e.sd), interval);
   if (truth) line += fmt::format("{:>+9.2f} %", 100 * (e.value - value) / value);
   if (truth && e.free && e.sd > 0) line += fmt::format("{:>+8.1f}", (e.value - value) / e.sd);
-  if (!e.identifiable) line += "  not identifiable: " + e.reason;
   return line + "\n";
 }
 
@@ -56,6 +57,15 @@ ParameterVector read_truth(const std::string& path) {
   return to_parameters(material, {});
 }
 
+std::string truth_warning(const std::string& path, const std::string& model) {
+  const std::string profile = read_json_file(path).value("profile", model);
+  if (profile == model) return "";
+  if (profile.empty())
+    return "the dataset is transport through the shape itself: what the planar profile leaves out shows in the errors";
+  return fmt::format("the dataset was rendered with {}; fitted with {}, the true values are not to be expected",
+                     profile, model);
+}
+
 std::string fit_table(const FitReport& report, const std::optional<ParameterVector>& truth) {
   std::string text = fmt::format("{:<24}", "parameter") + (truth ? fmt::format("{:>12}", "true") : "") +
                      fmt::format("{:>12}  {:<22}", "recovered", "95 % interval") + (truth ? "      error  (sd)" : "") +
@@ -71,6 +81,11 @@ std::string fit_table(const FitReport& report, const std::optional<ParameterVect
                   s.relative_rmse, worst_operator, s.starts.size(), s.iterations, s.converged ? "" : "; NOT CONVERGED");
   text += fmt::format("seconds: operator {:.2f}, solve {:.2f}, total {:.2f}\n", report.operator_seconds,
                       report.solve_seconds, report.total_seconds);
+  if (report.job.scale_free)
+    for (std::size_t t = 0; t < report.targets.size(); ++t)
+      text += fmt::format("scale[{}] {:.4g} (sd {:.2g} %)\n", t + 1, report.targets[t].scale,
+                          100 * report.uncertainty.scale_sd[t]);
+  text += examination_table(report);
   for (const std::string& note : report.uncertainty.notes) text += "note: " + note + "\n";
   return text;
 }

@@ -11,8 +11,10 @@ namespace opaline {
 /// `profile list`: what there is, what it needs and where it holds.
 void add_profile_command(CLI::App& app);
 
-/// Adds `material list` and `material show NAME`.
+/// Adds `material list`, `material show NAME`, `material export` and `material import`.
 void add_material_command(CLI::App& app);
+/// The last two of them.
+void add_material_exchange(CLI::App& material);
 
 /// Adds `stress`: rounding errors and invalid values of every formula; throws CommandFailed (exit_status.h) past a
 /// limit.

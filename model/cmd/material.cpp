@@ -66,7 +66,7 @@ void show_material(const std::string& name, bool as_json) {
 }  // namespace
 
 void add_material_command(CLI::App& app) {
-  CLI::App* material = app.add_subcommand("material", "Measured materials: list them, show one");
+  CLI::App* material = app.add_subcommand("material", "Measured materials: list them, show one, export, import");
   material->require_subcommand(1);
   material->footer("Example: opaline material show wholemilk --json");
 
@@ -82,6 +82,7 @@ void add_material_command(CLI::App& app) {
   show->add_flag("--json", *as_json, "JSON instead of text");
   show->footer("Example: opaline material show \"Head & Shoulders Shampoo\"");
   show->callback([name, as_json] { show_material(*name, *as_json); });
+  add_material_exchange(*material);
 }
 
 }  // namespace opaline

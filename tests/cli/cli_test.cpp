@@ -273,7 +273,8 @@ TEST_F(Cli, MakesADatasetThatComparesAsItsNoise) {
   EXPECT_GT(n, 600);
   EXPECT_NEAR(compared.at("metrics").at("relative_rmse").get<double>(), 0.04, 0.04 * 5 / std::sqrt(2 * n));
   // The recipe's own settings, so that every pixel must come again.
-  const std::string settings = "--technique hierarchical --set max_relative_error=1e-4 --set discretisation=fixed --samples 2000";
+  const std::string settings =
+      "--technique hierarchical --set max_relative_error=1e-4 --set discretisation=fixed --samples 2000";
   ASSERT_EQ(run("render d/truth_scene.json " + settings + " --out again.exr").status, 0);
   EXPECT_EQ(run("compare again.exr d/clean.exr --max-rmse 0").status, 0);
   EXPECT_EQ(run("render d/scene.json --technique hierarchical --samples 2000 --out start.exr").status, 0);

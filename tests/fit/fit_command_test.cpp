@@ -56,7 +56,8 @@ class FitCommand : public ::testing::Test {
   test::TempFolder folder_;
 };
 
-constexpr const char* quick = "scene.json --target target.exr --samples 600 --starts 2 ";
+constexpr const char* quick =
+    "scene.json --target target.exr --samples 600 --starts 2 --model standard_dipole --allow-undetermined ";
 
 TEST_F(FitCommand, PrintsTruthAndRecoveryInATable) {
   const Ending e = run(std::string(quick) + "--truth truth.json --out result");
@@ -108,11 +109,49 @@ TEST_F(FitCommand, FixedAndUnknownParametersAreMarkedInTheTable) {
   EXPECT_EQ(plain.out.find("true"), std::string::npos);
 }
 
+TEST_F(FitCommand, WithoutDeterminedParametersThereIsNoNumber) {
+  Image two_pixels(20, 20, {"Y"});
+  two_pixels.at(9, 9, 0) = two_pixels.at(10, 9, 0) = 1;
+  write_exr(folder_.file("data/mask.exr"), two_pixels);
+  const std::string fit =
+      "scene.json --target target.exr --samples 600 --starts 2 --mask mask.exr --model standard_dipole --parabola ";
+  const Ending e = run(fit + "--out result");
+  EXPECT_EQ(e.status, 1) << e.err;
+  EXPECT_THAT(e.err, HasSubstr("the pictures do not determine sigma_a_per_mm[R]"));
+  EXPECT_THAT(e.err, HasSubstr("--advise"));
+  EXPECT_THAT(e.out, HasSubstr("not determined"));
+  EXPECT_FALSE(exists("result/material.json"));
+  EXPECT_FALSE(json::parse(content(folder_.file("data/result/fit.json")))["determined"]);
+  EXPECT_EQ(run(fit + "--allow-undetermined --out again").status, 0);
+  EXPECT_TRUE(exists("again/material.json"));
+}
+
+TEST_F(FitCommand, WritesReportExaminationAndExports) {
+  const Ending e =
+      run(std::string(quick) +
+          "--free sigma_a,sigma_s_prime --compare-models --bootstrap 5 --export openpbr,pbrt --out result");
+  EXPECT_EQ(e.status, 0) << e.err;
+  EXPECT_THAT(e.out, HasSubstr("photon_beam_diffusion"));
+  EXPECT_THAT(e.out, HasSubstr("5 repetitions"));
+  EXPECT_THAT(content(folder_.file("data/result/material_openpbr.mtlx")), HasSubstr("open_pbr_surface"));
+  EXPECT_THAT(content(folder_.file("data/result/material_pbrt.pbrt")), HasSubstr("Material \"subsurface\""));
+  const std::string html = content(folder_.file("data/result/report.html"));
+  for (const char* part : {"<section", "target.png", "difference.png", "Residual against its noise", "95 % band",
+                           "Correlations", "Starts: ", "Other models", "</section>"})
+    EXPECT_THAT(html, HasSubstr(part));
+  const json document = json::parse(content(folder_.file("data/result/fit.json")));
+  EXPECT_GE(document["models"]["fits"].size(), 8u);
+  EXPECT_EQ(document["bootstrap"]["repetitions"], 5);
+}
+
 TEST_F(FitCommand, WrongInputEndsWithTwoAndWritesNothing) {
   const std::vector<std::pair<std::string, std::string>> wrong = {
       {"scene.json --out result", "--target"},
       {std::string(quick) + "--free sigma_x --out result", "sigma_x"},
-      {std::string(quick) + "--model none --out result", "standard_dipole"},
+      {std::string(quick) + "--prior eta=1.4 --out result", "NAME=MEAN:SD"},
+      {std::string(quick) + "--noise loud --out result", "READ,SHOT"},
+      {std::string(quick) + "--export maya --out result", "pbrt_medium"},
+      {std::string(quick) + "--transfer log --out result", "gamma:G"},
       {std::string(quick) + "--truth scene.json --out result", "scene.json"},
       {"scene.json --target none.exr --out result", "none.exr"},
       {"none.json --target target.exr --out result", "none.json"},

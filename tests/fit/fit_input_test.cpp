@@ -47,7 +47,7 @@ TEST_F(FitInput, ATargetOfTheWrongSize) {
 }
 
 TEST_F(FitInput, ATargetWithoutColours) {
-  job_.targets = {image_file("grey.exr", Image(16, 12, {"Y"}))};
+  job_.targets = {image_file("grey.exr", Image(16, 12, {"Y", "A"}))};
   expect_wrong(job_, {"grey.exr", "R, G, B", "Y"});
   job_.targets = {image_file("two.exr", Image(16, 12, {"R", "G"}))};
   expect_wrong(job_, {"two.exr", "R, G, B"});

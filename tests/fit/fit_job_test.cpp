@@ -123,14 +123,14 @@ TEST_F(FitJobTest, WritesAllItsFiles) {
   const FitReport report = run(job_);
   const std::string out = folder_.file("results/first");
   const std::vector<std::string> written = write_fit(report, out);
-  EXPECT_EQ(written.size(), 8u);
+  EXPECT_EQ(written.size(), 9u);
   std::set<std::string> names;
   for (const std::string& path : written) {
     EXPECT_GT(fs::file_size(path), 0u) << path;
     names.insert(fs::path(path).filename().string());
   }
-  EXPECT_EQ(names, (std::set<std::string>{"fit.json", "material.json", "target.exr", "target.png", "refit.exr",
-                                          "refit.png", "difference.exr", "difference.png"}));
+  EXPECT_EQ(names, (std::set<std::string>{"fit.json", "report.html", "material.json", "target.exr", "target.png",
+                                          "refit.exr", "refit.png", "difference.exr", "difference.png"}));
   EXPECT_EQ(static_cast<std::size_t>(std::distance(fs::directory_iterator(out), {})), written.size());
   EXPECT_EQ(read_json_file(out + "/fit.json"), fit_json(report));
   EXPECT_EQ(read_image(out + "/refit.exr").data, report.targets[0].refit.data);
@@ -151,7 +151,7 @@ TEST_F(FitJobTest, TwoTargetsGetTheirOwnPictures) {
   EXPECT_EQ(report.targets[1].scene, job_.scenes[1]);
   EXPECT_EQ(report.targets[1].target, job_.targets[1]);
   const std::vector<std::string> written = write_fit(report, folder_.file("two"));
-  EXPECT_EQ(written.size(), 14u);
+  EXPECT_EQ(written.size(), 15u);
   EXPECT_TRUE(fs::exists(folder_.file("two/difference_2.exr")));
   EXPECT_FALSE(fs::exists(folder_.file("two/refit.exr")));
   EXPECT_EQ(fit_json(report)["targets"].size(), 2u);

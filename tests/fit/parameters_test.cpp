@@ -70,6 +70,23 @@ TEST(Parameters, FreeWordsInAnyOrder) {
   EXPECT_FALSE(parse_free("sigma_a").is_free(eta_index));
 }
 
+TEST(Parameters, SingleChannelsAreFreeOrHaveAPrior) {
+  const FreeParameters free = parse_free("sigma_a[G],eta");
+  for (int i = 0; i < parameter_count; ++i) EXPECT_EQ(free.is_free(i), i == 1 || i == eta_index) << i;
+  const std::vector<Prior> eta = parse_prior("eta=1.4:0.05"), blue = parse_prior("sigma_s_prime[B]=2:0.5");
+  ASSERT_EQ(eta.size(), 1u);
+  EXPECT_EQ(eta[0].parameter, eta_index);
+  EXPECT_EQ(eta[0].mean, 1.4);
+  EXPECT_EQ(eta[0].sd, 0.05);
+  ASSERT_EQ(blue.size(), 1u);
+  EXPECT_EQ(blue[0].parameter, 5);
+  EXPECT_DOUBLE_EQ(blue[0].mean, std::log(2.0));
+  EXPECT_DOUBLE_EQ(blue[0].sd, 0.25);
+  EXPECT_EQ(parse_prior("sigma_a=1:1").size(), 3u);
+  for (const char* wrong : {"eta", "eta=1.4", "eta=1.4:", "eta=1.4:-1", "gamma=1:1", "eta=x:1", "sigma_a[X]=1:1"})
+    EXPECT_THAT(test::message_of([&] { parse_prior(wrong); }), HasSubstr("--prior")) << wrong;
+}
+
 TEST(Parameters, WrongFreeWordsAreNamedWithTheValidOnes) {
   for (const char* wrong : {"sigma_s", "sigma_a,,eta", "eta,ETA", "sigma_a eta"}) {
     const std::string message = test::message_of([&] { parse_free(wrong); });

@@ -1,5 +1,7 @@
 // The fit finds what a picture was made of: from its own pictures, from the reference's, from anywhere.
 #include "fit/solve.h"
+
+#include "fit/reduced_picture.h"
 #include "tests/support/fit_fixture.h"
 
 #include <gtest/gtest.h>
@@ -156,25 +158,17 @@ TEST(Solve, TheJacobianIsTheDerivativeOfTheWhitenedPicture) {
   SolveSettings settings;
   settings.free.sigma_a = false;  // the columns of the others keep their places
   const Solution s = solve(targets, dipole(), sphere.scene.materials[0], settings);
-  const auto reduced_picture = [&](ParameterVector p) {
-    const Material m = to_material(p, {});
-    Eigen::VectorXd all(s.jacobian.rows());
-    Eigen::Index at = 0;
-    for (int c = 0; c < 3; ++c) {
-      const std::vector<double> x = column_coefficients(targets[0].op, dipole(), m.channel(c), c).value;
-      const Eigen::MatrixXd& factor = targets[0].of(c).factor_transposed;
-      all.segment(at, factor.rows()) = factor * Eigen::Map<const Eigen::VectorXd>(x.data(), factor.cols()) /
-                                       s.noise_sd[0][static_cast<std::size_t>(c)];
-      at += factor.rows();
-    }
-    EXPECT_EQ(at, all.size());
+  const auto whitened_picture = [&](const ParameterVector& p) {
+    const auto z = reduced_picture(targets[0], dipole(), to_material(p, {}), false);
+    Eigen::VectorXd all = Eigen::VectorXd::Zero(s.jacobian.rows());
+    for (int c = 0; c < 3; ++c) s.whitened[0].add(c, z[static_cast<std::size_t>(c)].value, all);
     return all;
   };
   for (std::size_t i = 3; i < parameter_count; ++i) {
     const double h = 1e-5;
     ParameterVector above = s.parameters, below = s.parameters;
     above[i] += h, below[i] -= h;
-    const Eigen::VectorXd expected = (reduced_picture(above) - reduced_picture(below)) / (2 * h);
+    const Eigen::VectorXd expected = (whitened_picture(above) - whitened_picture(below)) / (2 * h);
     EXPECT_LT((s.jacobian.col(static_cast<Eigen::Index>(i)) - expected).norm(), 1e-6 * expected.norm());
   }
   EXPECT_EQ(s.jacobian.leftCols(3).norm(), 0);

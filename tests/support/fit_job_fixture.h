@@ -29,6 +29,7 @@ class FitJobTest : public ::testing::Test {
     job_.targets = {folder_.file("target.exr")};
     job_.op = small_operator(800);
     job_.solve.starts = 2;
+    job_.model = "standard_dipole";  // what the picture is made with
     write_exr(job_.targets[0], picture_ = picture(document));
   }
 

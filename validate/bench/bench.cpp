@@ -26,6 +26,8 @@ int run(int argc, char** argv) {
   ModelChoice model_choice;
   bool kernels = true, model = true, gather = true, render = true, paths = true, fit = true, image_space = true;
   bool layers = true, subsurface = true, transfer = true;
+  int repetitions = 0;
+  bool examination = false;
   CLI::App app("Opaline's benchmark: figures reached beside figures asked", "opaline_bench");
   app.add_option("--mesh", choice.mesh, "Mesh file instead of the synthetic bust");
   app.add_option("--height", choice.height, "Of the object [mm]")->check(CLI::PositiveNumber)->capture_default_str();
@@ -54,6 +56,10 @@ int run(int argc, char** argv) {
   app.add_option("--transfer-vertices", choice.transfer_vertices, "Of precomputed transfer's teapot, about")
       ->check(CLI::Range(std::size_t{200}, std::size_t{10000000}))
       ->capture_default_str();
+  app.add_option("--calibration", repetitions,
+                 "Repetitions of noisy fits, 500 for the figures asked (a minute; 0: none)")
+      ->check(CLI::Range(0, 100000));
+  app.add_flag("--examination", examination, "Two views of 512 x 512: models compared, bootstrap");
   CLI11_PARSE(app, argc, argv);
   fmt::print("{}\n", machine());
   if (kernels) {
@@ -72,6 +78,8 @@ int run(int argc, char** argv) {
   if (transfer) print_transfer_figures(choice);
   if (paths) print_figures("Transport, 64 x 64 pixels, " + choice.material, path_figures(choice));
   if (fit) print_figures("Fit: " + title, fit_figures(choice));
+  if (examination) print_figures("Examination of a large fit: " + title, examination_figures(choice));
+  if (repetitions > 0) print_figures("Calibration of the fit, 40 x 40 pixels", calibration_figures(repetitions));
   return 0;
 }
 

@@ -61,6 +61,10 @@ std::vector<Figure> render_figures(const SceneChoice& choice);
 /// The gather alone: about 1e5 points of a sphere of whole milk, one core.
 std::vector<Figure> sphere_figures(int runs);
 std::vector<Figure> fit_figures(const SceneChoice& choice);
+/// Variance against the Cramer-Rao bound and coverage of the intervals, on small scenes of their own.
+std::vector<Figure> calibration_figures(int repetitions);
+/// Two views of the object at 512 x 512: operator, models, bootstrap.
+std::vector<Figure> examination_figures(const SceneChoice& choice);
 /// Of the same object at 64 x 64 pixels, and of a sphere as high.
 std::vector<Figure> path_figures(const SceneChoice& choice);
 

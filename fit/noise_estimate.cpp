@@ -1,0 +1,204 @@
+#include "fit/noise_estimate.h"
+
+#include "render/input_error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace opaline {
+namespace {
+
+/// One pixel's estimate: `square` has the noise's variance as its mean.
+struct Sample {
+  double signal, square;
+};
+
+/// Median of a squared standard normal.
+constexpr double median_of_square = 0.454936423119573;
+
+struct Class {
+  double signal = 0, variance = 0;
+};
+
+/// Samples of equal number in order of brightness; the variance of each from the median, or the mean where the squares
+/// are estimates already.
+std::vector<Class> classes(std::vector<Sample> samples, bool squares_of_normals) {
+  std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) { return a.signal < b.signal; });
+  const std::size_t count = std::clamp<std::size_t>(samples.size() / 50, 1, 32);
+  std::vector<Class> out;
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t first = samples.size() * i / count, last = samples.size() * (i + 1) / count;
+    Class c;
+    std::vector<double> squares;
+    for (std::size_t k = first; k < last; ++k) {
+      c.signal += samples[k].signal / static_cast<double>(last - first);
+      c.variance += samples[k].square / static_cast<double>(last - first);
+      squares.push_back(samples[k].square);
+    }
+    if (squares.empty()) continue;
+    if (squares_of_normals) {
+      const auto middle = squares.begin() + static_cast<std::ptrdiff_t>(squares.size() / 2);
+      std::nth_element(squares.begin(), middle, squares.end());
+      c.variance = *middle / median_of_square;
+    }
+    out.push_back(c);
+  }
+  return out;
+}
+
+/// variance = a + k signal with a, k >= 0 by weighted least squares, weights by the variance itself.
+void fit_read_and_shot(const std::vector<Class>& all, double& read_sd, double& shot) {
+  double a = 0, k = 0;
+  for (const Class& c : all) a += c.variance / static_cast<double>(std::max<std::size_t>(all.size(), 1));
+  for (int round = 0; round < 6; ++round) {
+    double w_sum = 0, s = 0, v = 0, ss = 0, sv = 0;
+    const double least = 1e-6 * a + 1e-300;
+    for (const Class& c : all) {
+      const double expected = std::max(a + k * std::max(c.signal, 0.0), least), w = 1 / (expected * expected);
+      w_sum += w, s += w * c.signal, v += w * c.variance, ss += w * c.signal * c.signal,
+          sv += w * c.signal * c.variance;
+    }
+    const double determinant = w_sum * ss - s * s;
+    const bool two = determinant > 1e-9 * w_sum * ss;
+    k = two ? (w_sum * sv - s * v) / determinant : 0;
+    a = two ? (ss * v - s * sv) / determinant : v / w_sum;
+    if (k < 0) k = 0, a = v / w_sum;
+    if (a < 0) a = 0, k = ss > 0 ? std::max(sv / ss, 0.0) : 0;
+  }
+  read_sd = std::sqrt(a), shot = k;
+}
+
+std::vector<int> colours(const Image& image) {
+  if (image.channel("R") < 0) return {0};
+  return {image.channel("R"), image.channel("G"), image.channel("B")};
+}
+
+double value(const Image& image, std::size_t pixel, int channel) {
+  return static_cast<double>(image.data[pixel * image.channels.size() + static_cast<std::size_t>(channel)]);
+}
+
+bool counts(const std::vector<float>& usable, std::size_t pixel) { return usable.empty() || usable[pixel] > 0; }
+
+NoiseModel model_of(const std::vector<std::vector<Sample>>& samples, bool squares_of_normals, const char* source) {
+  NoiseModel noise;
+  noise.known = true;
+  noise.source = source;
+  for (std::size_t c = 0; c < 3; ++c) {
+    const std::vector<Sample>& own = samples[std::min(c, samples.size() - 1)];
+    fit_read_and_shot(classes(own, squares_of_normals), noise.read_sd[c], noise.shot[c]);
+  }
+  return noise;
+}
+
+/// Correlation of deviations in units of their sd, cut at 3.
+Eigen::Matrix3d correlation(const std::vector<std::array<double, 3>>& deviations) {
+  Eigen::Matrix3d sums = 1e-12 * Eigen::Matrix3d::Identity();
+  for (const auto& d : deviations) {
+    const Eigen::Vector3d cut(std::clamp(d[0], -3.0, 3.0), std::clamp(d[1], -3.0, 3.0), std::clamp(d[2], -3.0, 3.0));
+    sums += cut * cut.transpose();
+  }
+  const Eigen::Vector3d per_sd = sums.diagonal().cwiseSqrt().cwiseInverse();
+  return regular_covariance(per_sd.asDiagonal() * sums * per_sd.asDiagonal());
+}
+
+/// deviation(pixel, channel) of unit-variance noise where `use` says so: sizes and correlations.
+template <typename Use, typename Signal, typename Deviation>
+NoiseModel from_deviations(const Image& picture, const Use& use, const Signal& signal, const Deviation& deviation,
+                           const char* source) {
+  const std::vector<int> channels = colours(picture);
+  std::vector<std::vector<Sample>> samples(channels.size());
+  std::vector<std::size_t> pixels;
+  for (std::size_t p = 0; p < picture.pixel_count(); ++p) {
+    if (!use(p)) continue;
+    pixels.push_back(p);
+    for (std::size_t c = 0; c < channels.size(); ++c) {
+      const double d = deviation(p, channels[c]);
+      samples[c].push_back({signal(p, channels[c]), d * d});
+    }
+  }
+  NoiseModel noise = model_of(samples, true, source);
+  std::vector<std::array<double, 3>> scaled(pixels.size());
+  for (std::size_t i = 0; i < pixels.size(); ++i)
+    for (std::size_t c = 0; c < channels.size(); ++c)
+      scaled[i][c] = deviation(pixels[i], channels[c]) /
+                     std::sqrt(std::max(noise.variance(static_cast<int>(c), signal(pixels[i], channels[c])), 1e-300));
+  if (channels.size() == 3 && !pixels.empty()) noise.correlation = correlation(scaled);
+  return noise;
+}
+
+}  // namespace
+
+NoiseModel noise_from_repeat(const Image& a, const Image& b, const std::vector<float>& usable) {
+  return from_deviations(
+      a, [&](std::size_t p) { return counts(usable, p); },
+      [&](std::size_t p, int c) { return 0.5 * (value(a, p, c) + value(b, p, c)); },
+      [&](std::size_t p, int c) { return (value(a, p, c) - value(b, p, c)) / std::sqrt(2.0); }, "two captures");
+}
+
+NoiseModel noise_from_flat(const Image& picture, const std::vector<float>& usable) {
+  const auto w = static_cast<std::size_t>(picture.width), h = static_cast<std::size_t>(picture.height);
+  const auto around = [&](std::size_t p, const auto& body) {
+    for (int dy = -1; dy <= 1; ++dy)
+      for (int dx = -1; dx <= 1; ++dx)
+        body(p + static_cast<std::size_t>(dx) + static_cast<std::size_t>(dy) * w,  // wraps back
+             static_cast<double>((dx == 0 ? -2 : 1) * (dy == 0 ? -2 : 1)));
+  };
+  const auto use = [&](std::size_t p) {
+    const std::size_t x = p % w, y = p / w;
+    if (x == 0 || y == 0 || x + 1 >= w || y + 1 >= h) return false;
+    bool all = true;
+    around(p, [&](std::size_t q, double) { all &= counts(usable, q); });
+    return all;
+  };
+  const auto mean = [&](std::size_t p, int c) {
+    double sum = 0;
+    around(p, [&](std::size_t q, double) { sum += value(picture, q, c) / 9; });
+    return sum;
+  };
+  const auto deviation = [&](std::size_t p, int c) {
+    double sum = 0;
+    around(p, [&](std::size_t q, double weight) { sum += weight * value(picture, q, c) / 6; });
+    return sum;
+  };
+  return from_deviations(picture, use, mean, deviation, "flat regions of the picture");
+}
+
+NoiseModel noise_from_layer(const Image& picture, const Image& layers, const std::vector<float>& usable) {
+  const std::vector<int> channels = colours(picture);
+  std::vector<std::vector<Sample>> samples(channels.size());
+  for (std::size_t c = 0; c < channels.size(); ++c) {
+    const int layer = layers.channel(std::string("variance.") + "RGB"[c]);
+    if (layer < 0)
+      throw InputError("--noise", "", "'layer' needs the channels variance.R, variance.G, variance.B in the picture");
+    for (std::size_t p = 0; p < picture.pixel_count(); ++p)
+      if (counts(usable, p)) samples[c].push_back({value(picture, p, channels[c]), value(layers, p, layer)});
+  }
+  NoiseModel noise = model_of(samples, false, "the renderer's variance");
+  noise.correlation_known = false;
+  return noise;
+}
+
+NoiseModel parse_noise(const std::string& text) {
+  NoiseModel noise;
+  noise.correlation_known = text != "shared";
+  if (text == "uniform" || text == "shared") return noise;
+  std::string numbers = text;
+  std::replace(numbers.begin(), numbers.end(), ',', ' ');
+  std::istringstream in(numbers);
+  double read = 0, shot = 0;
+  const bool good = static_cast<bool>(in >> read) && (in.eof() || static_cast<bool>(in >> shot)) && in.eof();
+  if (!good || read < 0 || shot < 0 || !(read + shot > 0))
+    throw InputError(
+        "--noise", "",
+        "'" + text + "' is not one of uniform, shared, flat, layer, READ, READ,SHOT (numbers in the picture's units)");
+  noise.known = true;
+  noise.read_sd.fill(read);
+  noise.shot.fill(shot);
+  noise.source = "the user";
+  return noise;
+}
+
+}  // namespace opaline

@@ -1,0 +1,138 @@
+#include "fit/orthonormal_operator.h"
+
+#include "fit/pivoted_cholesky.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+namespace opaline {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::MatrixXf;
+
+constexpr std::size_t blocks = 16;  // fixed, so that sums do not depend on the thread count
+constexpr std::size_t rows_at_once = 192;
+
+/// body(first, count) over pieces of [0, rows), in `blocks` tasks; sums of the tasks' results in order.
+template <typename Body>
+MatrixXd sum_over_rows(std::size_t rows, Index n, Index m, const Body& body) {
+  std::vector<MatrixXd> partial(blocks, MatrixXd::Zero(n, m));
+  tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t i) {
+    const std::size_t end = rows * (i + 1) / blocks;
+    for (std::size_t first = rows * i / blocks; first < end; first += rows_at_once)
+      body(first, std::min(rows_at_once, end - first), partial[i]);
+  });
+  for (std::size_t i = 1; i < blocks; ++i) partial[0] += partial[i];
+  return partial[0];
+}
+
+/// `count` rows of the operator as columns.
+MatrixXd columns_of(const TransportOperator& op, int light, std::size_t first, std::size_t count) {
+  const auto n = static_cast<Index>(op.columns());
+  MatrixXd m(n, static_cast<Index>(count));
+  for (std::size_t i = 0; i < count; ++i)
+    m.col(static_cast<Index>(i)) = Eigen::Map<const Eigen::VectorXf>(op.row(first + i, light), n).cast<double>();
+  return m;
+}
+
+MatrixXd symmetric(const MatrixXd& lower) { return lower.selfadjointView<Eigen::Lower>(); }
+
+MatrixXd operator_gram(const TransportOperator& op, int light) {
+  const auto n = static_cast<Index>(op.columns());
+  return symmetric(sum_over_rows(op.rows(), n, n, [&](std::size_t first, std::size_t count, MatrixXd& sum) {
+    sum.selfadjointView<Eigen::Lower>().rankUpdate(columns_of(op, light, first, count));
+  }));
+}
+
+/// Q: rows of M at the pivots, solved by the factor's triangle; one pass over the pixels.
+MatrixXf pivot_columns(const TransportOperator& op, int light, const PivotedCholesky& cholesky) {
+  const Index rank = cholesky.rank();
+  MatrixXd triangle(rank, rank);
+  for (Index k = 0; k < rank; ++k) {
+    const Index p = cholesky.pivots[static_cast<std::size_t>(k)];
+    triangle.row(k) = cholesky.length[p] * cholesky.factor.row(p);
+  }
+  MatrixXf q(rank, static_cast<Index>(op.rows()));
+  const std::size_t pieces = (op.rows() + rows_at_once - 1) / rows_at_once;
+  tbb::parallel_for(std::size_t{0}, pieces, [&](std::size_t piece) {
+    const std::size_t first = piece * rows_at_once, count = std::min(rows_at_once, op.rows() - first);
+    const MatrixXd m = columns_of(op, light, first, count);
+    MatrixXd picked(rank, m.cols());
+    for (Index k = 0; k < rank; ++k) picked.row(k) = m.row(cholesky.pivots[static_cast<std::size_t>(k)]);
+    triangle.triangularView<Eigen::Lower>().solveInPlace(picked);
+    q.middleCols(static_cast<Index>(first), static_cast<Index>(count)) = picked.cast<float>();
+  });
+  return q;
+}
+
+/// Makes the rows of q orthonormal; returns the factor that takes the old coordinates to the new ones. What rounding
+/// left dependent is dropped.
+MatrixXd orthonormalise_again(MatrixXf& q) {
+  const PivotedCholesky cholesky = pivoted_cholesky(weighted_gram(q, q, nullptr), 1e-6);
+  const Index rank = cholesky.rank();
+  MatrixXd triangle(rank, rank);
+  for (Index k = 0; k < rank; ++k) {
+    const Index p = cholesky.pivots[static_cast<std::size_t>(k)];
+    triangle.row(k) = cholesky.length[p] * cholesky.factor.row(p);
+  }
+  MatrixXf next(rank, q.cols());
+  const auto rows = static_cast<std::size_t>(q.cols());
+  const std::size_t pieces = (rows + rows_at_once - 1) / rows_at_once;
+  tbb::parallel_for(std::size_t{0}, pieces, [&](std::size_t piece) {
+    const auto first = static_cast<Index>(piece * rows_at_once);
+    const Index count = std::min(static_cast<Index>(rows_at_once), q.cols() - first);
+    MatrixXd picked(rank, count);
+    for (Index k = 0; k < rank; ++k)
+      picked.row(k) = q.row(cholesky.pivots[static_cast<std::size_t>(k)]).segment(first, count).cast<double>();
+    triangle.triangularView<Eigen::Lower>().solveInPlace(picked);
+    next.middleCols(first, count) = picked.cast<float>();
+  });
+  q = std::move(next);
+  return cholesky.factor_transposed();
+}
+
+}  // namespace
+
+MatrixXd weighted_gram(const MatrixXf& a, const MatrixXf& b, const float* weight) {
+  const bool same = &a == &b && weight == nullptr;
+  const auto body = [&](std::size_t first, std::size_t count, MatrixXd& sum) {
+    const auto from = static_cast<Index>(first), n = static_cast<Index>(count);
+    const MatrixXd left = a.middleCols(from, n).cast<double>();
+    if (same) {
+      sum.selfadjointView<Eigen::Lower>().rankUpdate(left);
+      return;
+    }
+    MatrixXd right = b.middleCols(from, n).cast<double>();
+    if (weight) right *= Eigen::Map<const Eigen::VectorXf>(weight + first, n).cast<double>().asDiagonal();
+    sum.noalias() += left * right.transpose();
+  };
+  const MatrixXd sum = sum_over_rows(static_cast<std::size_t>(a.cols()), a.rows(), b.rows(), body);
+  return same ? symmetric(sum) : sum;
+}
+
+Eigen::VectorXd basis_sum(const Eigen::MatrixXf& q, const Eigen::VectorXd& v) {
+  Eigen::VectorXd sum = Eigen::VectorXd::Zero(q.rows());
+  constexpr Index piece = 4096;
+  for (Index first = 0; first < q.cols(); first += piece) {
+    const Index count = std::min(piece, q.cols() - first);
+    sum += q.middleCols(first, count).cast<double>() * v.segment(first, count);
+  }
+  return sum;
+}
+
+OrthonormalOperator orthonormalise(const TransportOperator& op, double tolerance) {
+  OrthonormalOperator out;
+  for (int light = 0; light < op.light_channels; ++light) {
+    const PivotedCholesky cholesky = pivoted_cholesky(operator_gram(op, light), tolerance);
+    MatrixXf q = pivot_columns(op, light, cholesky);
+    const MatrixXd again = orthonormalise_again(q);
+    out.factor.push_back(again * cholesky.factor_transposed());
+    out.q.push_back(std::move(q));
+  }
+  return out;
+}
+
+}  // namespace opaline
