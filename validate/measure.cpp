@@ -39,7 +39,7 @@ std::string not_applicable(const MeasureContext& context, const Cell& cell, cons
   const std::vector<std::string>& backends = cell.technique->backends;
   if (std::find(backends.begin(), backends.end(), cell.backend) == backends.end())
     return fmt::format("{} has no {} backend", cell.name, cell.backend);
-  const std::string reason = cell.technique->not_applicable(scene.scene);
+  const std::string reason = why_not_applicable(*cell.technique, scene.scene);
   if (reason.empty() && cell.backend == "gpu" && !context.gl) return context.no_gl;
   return reason;
 }
@@ -96,6 +96,11 @@ void compare_with_references(const MeasureContext& context, const Cell& cell, co
     record.reason = "an estimate of transport itself: no profile's reference applies";
     return;
   }
+  const std::string judge = scene.reference_technique();
+  if (judge.empty() || (judge == cell.name && judge != "hierarchical")) {
+    record.reason = judge.empty() ? "no reference takes this scene's materials" : "what the others are judged by";
+    return;
+  }
   const ReferenceImage& reference = scene.reference(profile_of(settings, context.suite));
   record.error = evaluate_metrics(compare_images(image, reference.image));
   record.reference.settings = reference.settings;
@@ -103,7 +108,7 @@ void compare_with_references(const MeasureContext& context, const Cell& cell, co
   record.reference.certified_max = reference.max_error;
   record.reference.seconds = reference.seconds;
   record.images["reference"] = reference.file;
-  record.images["bound"] = reference.error_file;
+  if (judge == "hierarchical") record.images["bound"] = reference.error_file;
 }
 
 void keep_image(const MeasureContext& context, const Image& image, Record& record) {

@@ -145,7 +145,18 @@ ReferenceImage MeasuredScene::find_or_make(const std::string& name, const Settin
   return made;
 }
 
+std::string MeasuredScene::reference_technique() const {
+  for (const char* name : {"hierarchical", "single_scatter_exact"})
+    if (why_not_applicable(find_technique(name), scene).empty()) return name;
+  return {};
+}
+
 const ReferenceImage& MeasuredScene::reference(const std::string& profile) {
+  if (const std::string name = reference_technique(); name != "hierarchical") {
+    const auto known = references_.find(name);
+    if (known != references_.end()) return known->second;
+    return references_[name] = find_or_make(name, {}, "error");
+  }
   SettingValues settings = suite_.reference;
   if (!profile.empty()) settings["profile"] = profile;
   // Named even where it is the default, so that both ways of asking find the same image.
@@ -161,7 +172,7 @@ const ReferenceImage* MeasuredScene::truth() {
   if (!suite_.truth) return nullptr;
   const std::vector<std::string>& scenes = suite_.truth->scenes;
   if (!scenes.empty() && std::find(scenes.begin(), scenes.end(), case_.name) == scenes.end()) return nullptr;
-  if (!find_technique("path_traced").not_applicable(scene).empty()) return nullptr;
+  if (!why_not_applicable(find_technique("path_traced"), scene).empty()) return nullptr;
   if (!truth_) truth_ = find_or_make("path_traced", suite_.truth->settings, "variance");
   return &*truth_;
 }

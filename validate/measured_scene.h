@@ -32,7 +32,10 @@ class MeasuredScene {
   double load_seconds = 0;
   std::string scene_file;  ///< relative to the folder: what `opaline render` can be given
 
-  /// The hierarchical image with the suite's tight settings and that profile. Made when first asked for.
+  /// Which technique the others are judged by: hierarchical, or single_scatter_exact for materials with layers; empty
+  /// where neither can render the scene.
+  std::string reference_technique() const;
+  /// Its image: hierarchical with the suite's tight settings and that profile. Made when first asked for.
   const ReferenceImage& reference(const std::string& profile);
   /// Transport truth; null where the suite doesn't ask for it or the scene doesn't allow it.
   const ReferenceImage* truth();

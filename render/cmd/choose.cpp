@@ -41,7 +41,7 @@ void choose_technique(const Scene& scene, ChoiceRequest request, const Technique
   request.pixels = static_cast<double>(scene.film.width) * scene.film.height;
   std::string unfit;
   for (const TechniqueChoice& choice : chooser(request)) {
-    const std::string reason = find_technique(choice.technique).not_applicable(scene);
+    const std::string reason = why_not_applicable(find_technique(choice.technique), scene);
     if (!reason.empty()) {
       unfit += fmt::format("; {}: {}", choice.technique, reason);
       continue;

@@ -17,7 +17,7 @@ TEST_P(Edits, WhatIsNotPreparedAgainIsStillRight) {
   const std::vector<SceneCase> cases = scene_cases(suite, {});
   MeasuredScene scene(suite, cases.front(), test::test_shapes(), folder.file("out"));
   const Technique& technique = find_technique(GetParam());
-  if (!technique.not_applicable(scene.scene).empty()) GTEST_SKIP() << technique.not_applicable(scene.scene);
+  if (const std::string reason = why_not_applicable(technique, scene.scene); !reason.empty()) GTEST_SKIP() << reason;
   SettingValues settings;
   if (technique.name == "path_traced") settings["paths"] = "2";
   TechniqueRun run(scene, technique, settings, nullptr);
