@@ -231,7 +231,7 @@ TEST(TexturedSampling, APointHasTheProfileOfItsOwnMaterial) {
 TEST(TexturedSampling, TheTwinsAgree) {
   const auto context = test::context_or_null();
   if (!context) GTEST_SKIP() << test::no_gl;
-  for (const std::string& profile : {"standard_dipole", "normalised_diffusion"})
+  for (const char* profile : {"standard_dipole", "normalised_diffusion"})
     for (const bool sphere : {false, true}) {
       Scene scene = slab(ramp());
       if (sphere) {
