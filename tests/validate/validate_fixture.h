@@ -21,7 +21,8 @@ inline nlohmann::json tiny_suite() {
             {{"name", "side"}, {"scene", second}}}},
           {"techniques", {"brute_force", "hierarchical"}},
           {"backends", {"cpu"}},
-          {"sweeps", {{"hierarchical", {{{"max_relative_error", {"1e-1", "1e-3"}}}}}}},
+          {"sweeps", {{"hierarchical", {{{"max_relative_error", {"1e-1", "1e-3"}}, {"discretisation", "fixed"}}}}}},
+          {"reference", {{"max_relative_error", "1e-5"}, {"discretisation", "fixed"}}},
           {"samples", 100},
           {"runs", 2},
           {"max_seconds", 0.02}};
