@@ -1,8 +1,8 @@
 // Turns a templated formula into a Profile: values in double, gradients by dual numbers.
 //
 // Formula<T> is built from a Medium<T> and has evaluate(r), total(), cumulative(r), sample(xi) and
-// core_radius(), as StandardDipole; plane_spectrum(k, z) where there is a closed one. Dual is ceres::Jet<double, 3>; it is a parameter so that only a
-// profile's .cpp includes Ceres.
+// core_radius(), as StandardDipole; plane_spectrum(k, z) where there is a closed one. Dual is ceres::Jet<double, 3>; it
+// is a parameter so that only a profile's .cpp includes Ceres.
 #pragma once
 
 #include "model/profiles/profile.h"

@@ -39,8 +39,8 @@ class Profile {
   /// The radius below which R_d is flat: the shortest length a quadrature must resolve [mm].
   virtual double core_radius() const = 0;
 
-  /// The 2-D Fourier transform int R_d(sqrt(r^2 + z^2)) J_0(k r) 2 pi r dr of what a plane sends to a parallel one z [mm]
-  /// away, k [1/mm] and z >= 0, in closed form; nothing where the formula has none. total() at k = z = 0.
+  /// The 2-D Fourier transform int R_d(sqrt(r^2 + z^2)) J_0(k r) 2 pi r dr of what a plane sends to a parallel one z
+  /// [mm] away, k [1/mm] and z >= 0, in closed form; nothing where the formula has none. total() at k = z = 0.
   virtual std::optional<double> plane_spectrum(double /*k*/, double /*z*/) const { return std::nullopt; }
 
   /// Diffuse transmittance T(r) [1/mm^2] on the far side and its integral; 0 unless the registry says

@@ -1,9 +1,9 @@
 // The hierarchical gather: for every query, lists of patches that stand for the whole surface.
 //
-// Queries are sorted along a Morton curve and walk the tree in groups of at most 64, 16, 4 and 1 neighbours: what may be
-// used whole by all queries of a group goes on the group's list; the rest is opened, cells into quarters until they are
-// small enough, so that the near field is integrated, not sampled. What is small against the group and would do for its
-// middle is left to the group's parts.
+// Queries are sorted along a Morton curve and walk the tree in groups of at most 64, 16, 4 and 1 neighbours: what may
+// be used whole by all queries of a group goes on the group's list; the rest is opened, cells into quarters until they
+// are small enough, so that the near field is integrated, not sampled. What is small against the group and would do for
+// its middle is left to the group's parts.
 //
 // A Criterion says which error is allowed; a Sink consumes patches:
 //   struct Criterion { static constexpr float moments;   // 1; 0: clusters are points (the published algorithm)

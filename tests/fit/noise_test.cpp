@@ -66,7 +66,8 @@ Eigen::VectorXd picture_derivative(const Scene& scene, const OperatorSettings& s
     ParameterVector p = at;
     p[i] += side ? step : -step;
     moved.materials[0] = to_material(p, scene.materials[0]);
-    const Image image = test::picture_of(moved, settings, "hierarchical", {{"max_relative_error", "1e-5"}, {"discretisation", "fixed"}});
+    const Image image = test::picture_of(moved, settings, "hierarchical",
+                                         {{"max_relative_error", "1e-5"}, {"discretisation", "fixed"}});
     values[side] = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(3 * image.pixel_count()));
     for (std::size_t k = 0; k < image.pixel_count(); ++k)
       for (std::size_t c = 0; c < 3; ++c)
@@ -78,7 +79,8 @@ Eigen::VectorXd picture_derivative(const Scene& scene, const OperatorSettings& s
 TEST(Noise, IntervalsAttainTheCramerRaoBound) {
   const Scene scene = test::sphere_scene("skin1", 16, 1000);
   const OperatorSettings settings = test::small_operator(1000);
-  Image picture = test::picture_of(scene, settings, "hierarchical", {{"max_relative_error", "1e-5"}, {"discretisation", "fixed"}});
+  Image picture =
+      test::picture_of(scene, settings, "hierarchical", {{"max_relative_error", "1e-5"}, {"discretisation", "fixed"}});
   const std::array<double, 3> sd = add_noise(picture, 0.01, 1);
   const ParameterVector truth = to_parameters(scene.materials[0], {});
   Eigen::MatrixXd jacobian(static_cast<Eigen::Index>(3 * picture.pixel_count()), parameter_count);

@@ -52,8 +52,8 @@ TEST(Solve, RecoversAllSevenParametersFromTheOperatorsPicture) {
 
 TEST(Solve, RecoversTheReferencesPicture) {
   const Sphere sphere("marble");
-  const Image picture =
-      test::picture_of(sphere.scene, sphere.settings, "hierarchical", {{"max_relative_error", "1e-4"}, {"discretisation", "fixed"}});
+  const Image picture = test::picture_of(sphere.scene, sphere.settings, "hierarchical",
+                                         {{"max_relative_error", "1e-4"}, {"discretisation", "fixed"}});
   const Solution s = solve(sphere.target(picture), dipole(), test::neutral_material(), {});
   for (int i = 0; i < parameter_count; ++i)
     EXPECT_NEAR(test::relative_error(i, s.parameters, sphere.truth), 0, 1e-3) << parameter_name(i);

@@ -35,7 +35,8 @@ class FitJobTest : public ::testing::Test {
 
   Image picture(const nlohmann::json& document) const {
     const Scene scene = parse_scene(document, folder_.file("scene.json"), synthetic_shapes());
-    Image image = picture_of(scene, job_.op, "hierarchical", {{"max_relative_error", "1e-4"}, {"discretisation", "fixed"}});
+    Image image =
+        picture_of(scene, job_.op, "hierarchical", {{"max_relative_error", "1e-4"}, {"discretisation", "fixed"}});
     add_noise(image, 0.01, 1);
     return image;
   }
