@@ -36,14 +36,13 @@ struct ExactMarch::Way {
 };
 
 ExactMarch::ExactMarch(const Scene& scene, const RayScene& rays, int object, const ExactSettings& settings)
-    : rays_(rays),
-      mesh_(object_of(scene, object).mesh),
-      object_(object),
+    : mesh_(object_of(scene, object).mesh),
       settings_(settings),
       eta_(settings.refraction ? scene.materials[static_cast<std::size_t>(object_of(scene, object).material)].eta
                                : 1.0),
       textures_(*scene.materials[static_cast<std::size_t>(object_of(scene, object).material)].layers),
       stack_(textures_),
+      surface_(mesh_.positions, mesh_.triangles),
       interior_(scene, rays, object) {}
 
 LayerPlace ExactMarch::place_on_surface(std::uint32_t triangle, const glm::dvec3& point) const {
@@ -52,21 +51,24 @@ LayerPlace ExactMarch::place_on_surface(std::uint32_t triangle, const glm::dvec3
   return {0, boundaries, stack_.count};
 }
 
-LayerPlace ExactMarch::place_at(const glm::dvec3& point, ExactCounts& counts) const {
+LayerPlace ExactMarch::place_at(const glm::dvec3& point, double& depth, ExactCounts& counts) const {
   ++counts.nearest_points;
-  const NearestPoint nearest = rays_.nearest(glm::vec3(point), object_);
+  const TrianglePlace nearest = surface_.find_within(glm::vec3(point), depth);
+  depth = nearest.distance;
   float boundaries[LayeredMedium::most_layers];
-  textures_.boundaries(uv_at(mesh_, nearest.triangle, nearest.position), boundaries);
-  return {nearest.distance, boundaries, stack_.count};
+  textures_.boundaries(uv_at(mesh_, nearest.triangle, glm::vec3(nearest.position)), boundaries);
+  return {static_cast<float>(nearest.distance), boundaries, stack_.count};
 }
 
 /// In steps of about `step`, to the end (whose place may be known) or to where nothing is left.
-ExactMarch::Way ExactMarch::way_through(const glm::dvec3& from, const LayerPlace& start, const glm::dvec3& direction,
-                                        double length, double step, const LayerPlace* end, ExactCounts& counts) const {
+ExactMarch::Way ExactMarch::way_through(const glm::dvec3& from, const LayerPlace& start, double depth,
+                                        const glm::dvec3& direction, double length, double step, const LayerPlace* end,
+                                        ExactCounts& counts) const {
   const int steps = std::max(1, static_cast<int>(std::ceil(length / step - 1e-9)));
   Way way{length / steps, {start}, {glm::dvec3(0)}};
   for (int i = 1; i <= steps; ++i) {
-    const LayerPlace next = i == steps && end ? *end : place_at(from + (i * way.step) * direction, counts);
+    depth += way.step;  // a place is at most a step further from the surface than the one before
+    const LayerPlace next = i == steps && end ? *end : place_at(from + (i * way.step) * direction, depth, counts);
     glm::dvec3 tau = way.tau.back();
     for_each_piece(way.places.back(), next, stack_.count, [&](int layer, float t0, float t1) {
       tau += static_cast<double>(t1 - t0) * way.step * glm::dvec3(stack_.sigma_t[static_cast<std::size_t>(layer)]);
@@ -120,14 +122,15 @@ void ExactMarch::for_each_light(const glm::dvec3& m, const MarchLight& light, Ex
 glm::dvec3 ExactMarch::arriving(const glm::dvec3& m, int layer, const View& view, const std::vector<MarchLight>& lights,
                                 double step, ExactCounts& counts) const {
   glm::dvec3 sum(0);
-  const LayerPlace here = place_at(m, counts);
+  double depth = glm::length(m - view.origin);
+  const LayerPlace here = place_at(m, depth, counts);
   for (const MarchLight& light : lights)
     for_each_light(m, light, counts,
                    [&](const glm::dvec3& w, double length, std::uint32_t facet, const glm::dvec3& k,
                        const glm::dvec3& irradiance) {
                      ++counts.light_paths;
                      const LayerPlace end = place_on_surface(facet, k);
-                     const glm::dvec3 tau = way_through(m, here, w, length, step, &end, counts).tau.back();
+                     const glm::dvec3 tau = way_through(m, here, depth, w, length, step, &end, counts).tau.back();
                      const float phase = stack_.phase(layer, glm::vec3(w), glm::vec3(-view.direction));
                      sum += static_cast<double>(phase) * irradiance * glm::exp(-tau);
                    });
@@ -138,7 +141,7 @@ glm::dvec3 ExactMarch::arriving(const glm::dvec3& m, int layer, const View& view
 glm::dvec3 ExactMarch::scattered(const View& view, const std::vector<MarchLight>& lights, int steps,
                                  ExactCounts& counts) const {
   const double step = view.length / steps;
-  const Way way = way_through(view.origin, view.start, view.direction, view.length, step, nullptr, counts);
+  const Way way = way_through(view.origin, view.start, 0, view.direction, view.length, step, nullptr, counts);
   glm::dvec3 sum(0);
   for (std::size_t i = 0; i + 1 < way.places.size(); ++i) {
     glm::dvec3 tau = way.tau[i];
@@ -178,7 +181,7 @@ ExactMarch::Estimate ExactMarch::radiance(const VisiblePoint& p, const std::vect
   }
   view.length = exit->distance;
   // The march needs no further than a coarse one sees.
-  const Way coarse = way_through(origin, view.start, view.direction, view.length, view.length / 64, nullptr, counts);
+  const Way coarse = way_through(origin, view.start, 0, view.direction, view.length, view.length / 64, nullptr, counts);
   view.length = coarse.step * static_cast<double>(coarse.tau.size() - 1);
   if (!(view.length > 0)) return {};
   Estimate best;

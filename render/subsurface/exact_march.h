@@ -7,6 +7,7 @@
 
 #include "render/path_tracing/interior.h"
 #include "render/subsurface/march.h"
+#include "render/visibility/closest_triangle.h"
 
 namespace opaline {
 
@@ -36,23 +37,23 @@ class ExactMarch {
  private:
   struct View;
   struct Way;
-  LayerPlace place_at(const glm::dvec3& point, ExactCounts& counts) const;
+  /// depth: no less than how far the surface is from the point; then how far it is [mm]
+  LayerPlace place_at(const glm::dvec3& point, double& depth, ExactCounts& counts) const;
   LayerPlace place_on_surface(std::uint32_t triangle, const glm::dvec3& point) const;
-  Way way_through(const glm::dvec3& from, const LayerPlace& start, const glm::dvec3& direction, double length,
-                  double step, const LayerPlace* end, ExactCounts& counts) const;
+  Way way_through(const glm::dvec3& from, const LayerPlace& start, double depth, const glm::dvec3& direction,
+                  double length, double step, const LayerPlace* end, ExactCounts& counts) const;
   glm::dvec3 scattered(const View& view, const std::vector<MarchLight>& lights, int steps, ExactCounts& counts) const;
   glm::dvec3 arriving(const glm::dvec3& m, int layer, const View& view, const std::vector<MarchLight>& lights,
                       double step, ExactCounts& counts) const;
   template <typename Visit>
   void for_each_light(const glm::dvec3& m, const MarchLight& light, ExactCounts& counts, Visit&& visit) const;
 
-  const RayScene& rays_;
   const Mesh& mesh_;
-  int object_;
   ExactSettings settings_;
   double eta_;
   const LayeredMedium& textures_;
   LayerStack stack_;
+  ClosestTriangle surface_;
   Interior interior_;
 };
 

@@ -21,15 +21,6 @@ struct ClosestTriangle::Handles {
 
 namespace {
 
-/// Barycentrics along the edge from corner i to corner k of the point nearest to p.
-glm::dvec3 closest_on_edge(const glm::dvec3& p, const glm::dvec3 corners[3], int i, int k) {
-  const glm::dvec3 edge = corners[k] - corners[i];
-  const double along = std::clamp(glm::dot(p - corners[i], edge) / std::max(glm::dot(edge, edge), 1e-300), 0.0, 1.0);
-  glm::dvec3 weights(0);
-  weights[i] = 1 - along, weights[k] = along;
-  return weights;
-}
-
 struct Search {
   const std::vector<glm::vec3>& positions;
   const std::vector<glm::uvec3>& triangles;
@@ -42,10 +33,11 @@ struct Search {
     const glm::dvec3 a(positions[t.x]), b(positions[t.y]), c(positions[t.z]);
     if (normal != glm::dvec3(0) && glm::dot(glm::cross(b - a, c - a), normal) <= 0) return false;
     const glm::dvec3 w = closest_on_triangle(point, a, b, c);
-    const double distance = glm::length(w.x * a + w.y * b + w.z * c - point);
+    const glm::dvec3 position = w.x * a + w.y * b + w.z * c;
+    const double distance = glm::length(position - point);
     if (found && distance >= best.distance) return false;
     found = true;
-    best = {triangle, w, distance};
+    best = {triangle, w, position, distance};
     radius = static_cast<float>(distance);
     return true;
   }
@@ -58,23 +50,19 @@ bool visit(RTCPointQueryFunctionArguments* arguments) {
 }  // namespace
 
 glm::dvec3 closest_on_triangle(const glm::dvec3& p, const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
-  const glm::dvec3 n = glm::cross(b - a, c - a);
-  const double area2 = glm::dot(n, n);
-  if (area2 > 0) {
-    const glm::dvec3 inside(glm::dot(glm::cross(c - b, p - b), n) / area2,
-                            glm::dot(glm::cross(a - c, p - c), n) / area2,
-                            glm::dot(glm::cross(b - a, p - a), n) / area2);
-    if (inside.x >= 0 && inside.y >= 0 && inside.z >= 0) return inside / (inside.x + inside.y + inside.z);
-  }
-  const glm::dvec3 corners[3] = {a, b, c};
-  glm::dvec3 best(1, 0, 0);
-  double nearest = std::numeric_limits<double>::max();
-  for (int i = 0; i < 3; ++i) {
-    const glm::dvec3 w = closest_on_edge(p, corners, i, (i + 1) % 3);
-    const double distance = glm::length(w.x * a + w.y * b + w.z * c - p);
-    if (distance < nearest) nearest = distance, best = w;
-  }
-  return best;
+  const glm::dvec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
+  const double d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap), d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp),
+               d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
+  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
+  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
+  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
+  // Proportional to the areas that p's foot cuts off; where one is not positive, the foot on that edge is nearest.
+  const double of_a = d3 * d6 - d5 * d4, of_b = d5 * d2 - d1 * d6, of_c = d1 * d4 - d3 * d2;
+  if (of_c <= 0 && d1 >= 0 && d3 <= 0 && d1 > d3) return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
+  if (of_b <= 0 && d2 >= 0 && d6 <= 0 && d2 > d6) return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
+  const double to_c = d4 - d3, to_b = d5 - d6;
+  if (of_a <= 0 && to_c >= 0 && to_b >= 0 && to_c + to_b > 0) return {0, to_b / (to_c + to_b), to_c / (to_c + to_b)};
+  return glm::dvec3(of_a, of_b, of_c) / (of_a + of_b + of_c);
 }
 
 ClosestTriangle::ClosestTriangle(std::vector<glm::vec3> positions, std::vector<glm::uvec3> triangles)
@@ -102,17 +90,27 @@ ClosestTriangle::ClosestTriangle(std::vector<glm::vec3> positions, std::vector<g
 
 ClosestTriangle::~ClosestTriangle() = default;
 
+TrianglePlace ClosestTriangle::find(const glm::vec3& point, const glm::vec3& normal, float radius, bool& found) const {
+  Search search{positions_, triangles_, glm::dvec3(point), glm::dvec3(normal)};
+  RTCPointQuery query{point.x, point.y, point.z, 0, radius};
+  RTCPointQueryContext context;
+  rtcInitPointQueryContext(&context);
+  rtcPointQuery(handles_->scene, &query, &context, visit, &search);
+  found = search.found;
+  return search.best;
+}
+
 TrianglePlace ClosestTriangle::find(const glm::vec3& point, const glm::vec3& normal) const {
-  for (const glm::dvec3& facing : {glm::dvec3(normal), glm::dvec3(0)}) {
-    Search search{positions_, triangles_, glm::dvec3(point), facing};
-    RTCPointQuery query{point.x, point.y, point.z, 0, std::numeric_limits<float>::infinity()};
-    RTCPointQueryContext context;
-    rtcInitPointQueryContext(&context);
-    rtcPointQuery(handles_->scene, &query, &context, visit, &search);
-    if (search.found) return search.best;
-  }
-  OPALINE_CHECK(false);
-  return {};
+  constexpr float anywhere = std::numeric_limits<float>::infinity();
+  bool found = false;
+  const TrianglePlace facing = find(point, normal, anywhere, found);
+  return found ? facing : find(point, glm::vec3(0), anywhere, found);
+}
+
+TrianglePlace ClosestTriangle::find_within(const glm::vec3& point, double distance) const {
+  bool found = false;
+  const TrianglePlace near = find(point, glm::vec3(0), 1.001f * static_cast<float>(distance), found);
+  return found ? near : find(point, glm::vec3(0), std::numeric_limits<float>::infinity(), found);
 }
 
 }  // namespace opaline

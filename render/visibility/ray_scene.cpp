@@ -4,7 +4,6 @@
 
 #include <embree3/rtcore.h>
 
-#include <cmath>
 #include <limits>
 
 namespace opaline {
@@ -39,42 +38,6 @@ void attach_mesh(RTCDevice device, RTCScene scene, const Mesh& mesh, unsigned id
   rtcReleaseGeometry(geometry);
 }
 
-/// The point of a triangle nearest to p: a corner, a foot on an edge, or the foot on its plane (Ericson 2004, 5.1.5).
-glm::vec3 nearest_on_triangle(const glm::vec3& p, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
-  const glm::vec3 ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-  const float d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap), d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp),
-              d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
-  if (d1 <= 0 && d2 <= 0) return a;
-  if (d3 >= 0 && d4 <= d3) return b;
-  if (d6 >= 0 && d5 <= d6) return c;
-  const float vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return a + d1 / (d1 - d3) * ab;
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + d2 / (d2 - d6) * ac;
-  if (va <= 0 && d4 - d3 >= 0 && d5 - d6 >= 0) return b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b);
-  return a + (vb * ab + vc * ac) / (va + vb + vc);
-}
-
-/// What a search for the nearest point knows so far.
-struct NearestSearch {
-  glm::vec3 point;
-  unsigned object;
-  const Mesh& mesh;
-  NearestPoint best;
-};
-
-bool visit_nearest(RTCPointQueryFunctionArguments* arguments) {
-  auto& search = *static_cast<NearestSearch*>(arguments->userPtr);
-  if (arguments->geomID != search.object) return false;
-  const glm::uvec3 t = search.mesh.triangles[arguments->primID];
-  const auto& p = search.mesh.positions;
-  const glm::vec3 at = nearest_on_triangle(search.point, p[t.x], p[t.y], p[t.z]);
-  const float distance = glm::length(at - search.point);
-  if (!(distance < arguments->query->radius)) return false;
-  search.best = {arguments->primID, at, distance};
-  arguments->query->radius = distance;
-  return true;
-}
-
 RTCRay make_ray(const glm::vec3& origin, const glm::vec3& direction, float far) {
   RTCRay ray{};
   ray.org_x = origin.x, ray.org_y = origin.y, ray.org_z = origin.z;
@@ -87,7 +50,7 @@ RTCRay make_ray(const glm::vec3& origin, const glm::vec3& direction, float far) 
 
 }  // namespace
 
-RayScene::RayScene(const Scene& scene) : handles_(std::make_unique<Handles>()), scene_(scene) {
+RayScene::RayScene(const Scene& scene) : handles_(std::make_unique<Handles>()) {
   handles_->device = rtcNewDevice(nullptr);
   if (!handles_->device) throw MachineError("Embree could not be started");
   handles_->scene = rtcNewScene(handles_->device);
@@ -121,26 +84,6 @@ bool RayScene::occluded(const glm::vec3& origin, const glm::vec3& direction, flo
   rtcInitIntersectContext(&context);
   rtcOccluded1(handles_->scene, &context, &ray);
   return ray.tfar < 0;
-}
-
-NearestPoint RayScene::nearest(const glm::vec3& point, int object) const {
-  // Places asked for one after the other are near each other: the last answer bounds the search for the next. It can be
-  // any triangle, so it needn't belong to this mesh.
-  static thread_local std::uint32_t last = 0;
-  const Mesh& mesh = scene_.objects[static_cast<std::size_t>(object)].mesh;
-  const auto guess = static_cast<std::uint32_t>(last % mesh.triangles.size());
-  const glm::uvec3 t = mesh.triangles[guess];
-  NearestSearch search{point, static_cast<unsigned>(object), mesh, {}};
-  const glm::vec3 at = nearest_on_triangle(point, mesh.positions[t.x], mesh.positions[t.y], mesh.positions[t.z]);
-  search.best = {guess, at, glm::length(at - point)};
-  RTCPointQuery query{};
-  query.x = point.x, query.y = point.y, query.z = point.z;
-  query.radius = search.best.distance;
-  RTCPointQueryContext context;
-  rtcInitPointQueryContext(&context);
-  rtcPointQuery(handles_->scene, &query, &context, visit_nearest, &search);
-  last = search.best.triangle;
-  return search.best;
 }
 
 SurfacePoint surface_point(const Mesh& mesh, std::uint32_t triangle, float u, float v) {

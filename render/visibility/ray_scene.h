@@ -17,16 +17,8 @@ struct SurfaceHit {
   float distance = 0;  ///< mm
 };
 
-/// Where a surface is nearest to a point.
-struct NearestPoint {
-  std::uint32_t triangle = 0;
-  glm::vec3 position{0};
-  float distance = 0;  ///< mm
-};
-
 class RayScene {
  public:
-  /// The scene must outlive it.
   explicit RayScene(const Scene& scene);
   ~RayScene();
   RayScene(const RayScene&) = delete;
@@ -36,15 +28,12 @@ class RayScene {
   SurfaceHit closest(const glm::vec3& origin, const glm::vec3& direction, float near = 0) const;
   /// Is anything between the origin and `distance` along the unit direction?
   bool occluded(const glm::vec3& origin, const glm::vec3& direction, float distance) const;
-  /// The point of an object's surface that is nearest.
-  NearestPoint nearest(const glm::vec3& point, int object) const;
   /// How far to move a ray's origin off its surface [mm]: 1e-5 of the scene's diagonal.
   float offset() const { return offset_; }
 
  private:
   struct Handles;
   std::unique_ptr<Handles> handles_;
-  const Scene& scene_;
   float offset_ = 0;
 };
 

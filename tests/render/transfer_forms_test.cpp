@@ -190,6 +190,43 @@ TEST(ClosestTriangle, IsTheNearestOfAllThatFaceThePointsWay) {
   }
 }
 
+// Corners, edges, inside, and triangles that are a line, against a fine grid of barycentrics.
+TEST(ClosestTriangle, FindsThePointOfATriangleOfAnyKind) {
+  std::mt19937 random(7);
+  for (int i = 0; i < 600; ++i) {
+    const glm::dvec3 p(2.0 * test::random_direction(random)), a(test::random_direction(random)),
+        b = i % 6 == 0 ? a : glm::dvec3(test::random_direction(random)),
+        c = i % 6 == 1   ? 0.5 * (a + b)
+            : i % 6 == 2 ? b
+                         : glm::dvec3(test::random_direction(random));
+    double nearest = 1e30;
+    for (int u = 0; u <= 60; ++u)
+      for (int v = 0; u + v <= 60; ++v)
+        nearest = std::min(nearest, glm::length(a + u / 60.0 * (b - a) + v / 60.0 * (c - a) - p));
+    const glm::dvec3 w = closest_on_triangle(p, a, b, c);
+    EXPECT_NEAR(w.x + w.y + w.z, 1, 1e-12);
+    EXPECT_GE(std::min({w.x, w.y, w.z}), 0);
+    const double distance = glm::length(w.x * a + w.y * b + w.z * c - p);
+    EXPECT_LE(distance, nearest + 1e-9) << "kind " << i % 6;
+    EXPECT_GT(distance, nearest - 0.02) << "kind " << i % 6;
+  }
+}
+
+TEST(ClosestTriangle, ABoundOfTheDistanceChangesNothing) {
+  const Mesh mesh = make_torus(4, 1, 300);
+  const ClosestTriangle search(mesh.positions, mesh.triangles);
+  std::mt19937 random(8);
+  for (int i = 0; i < 100; ++i) {
+    const glm::vec3 p(5.0 * test::random_direction(random));
+    const TrianglePlace free = search.find_within(p, 1e30);
+    for (const double bound : {free.distance, 2 * free.distance, 0.1 * free.distance, 0.0}) {
+      const TrianglePlace bounded = search.find_within(p, bound);
+      EXPECT_EQ(bounded.distance, free.distance) << bound;
+      EXPECT_EQ(bounded.position, free.position) << bound;
+    }
+  }
+}
+
 TEST(ReferenceMesh, IsASubsetOfTheVerticesInWhichEachLiesNearItsTriangle) {
   const Mesh mesh = make_teapot(10, 4000);
   const TransferVertices vertices(mesh, 1);
