@@ -26,6 +26,13 @@ float brightest(const IrradianceField& field, std::size_t cell) {
   return *std::max_element(first, first + width);
 }
 
+/// No cell's quarters differ: there is nothing that the cells could leave out.
+bool evenly_lit(const SurfaceCells& cells, const IrradianceField& field) {
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    if (spread(field, i) > 1e-6f * brightest(field, i)) return false;
+  return true;
+}
+
 /// Points of the surface, a third of them by area, a third by flux and a third by where the irradiance varies within
 /// its cells: a beam or an edge that covers little of the surface is met too.
 struct Probes {
@@ -135,7 +142,10 @@ class Discretiser {
  private:
   /// RMS over RMS of the channel that is worst.
   double estimate(const Discretisation& d) {
-    if (d.tree.nodes.empty()) return 0;
+    if (d.tree.nodes.empty() || evenly_lit(d.cells, d.irradiance)) {
+      ++counters_.skipped["discretisation_estimates"];
+      return 0;
+    }
     SurfaceCells quarters;
     IrradianceField field;
     quarters_of(d.cells, d.irradiance, quarters, field);

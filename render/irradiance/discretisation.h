@@ -26,9 +26,10 @@ struct Discretisation {
   int rounds = 0;    ///< how often cells were split
 };
 
-/// The cells given, or finer ones. `irradiance` has quarters (compute_irradiance). Counts: discretisation_points and
-/// discretisation_rounds, cells_added_by_discretisation, and skipped cells_beyond_limit: splits that max_cells forbade.
-/// The points are the same for any view: an edit of the camera asks for no new cells.
+/// The cells given, or finer ones. `irradiance` has quarters (compute_irradiance). Counts: discretisation_points,
+/// discretisation_rounds, cells_added_by_discretisation; skipped: discretisation_estimates where no cell's light
+/// varies, cells_beyond_limit, splits that max_cells forbade. The points are the same for any view: an edit of the
+/// camera asks for no new cells.
 Discretisation discretise(const Scene& scene, const RayScene& rays, std::size_t object, const SurfaceCells& cells,
                           const IrradianceField& irradiance, const ChannelProfiles& profiles,
                           const IrradianceSettings& light, const DiscretisationSettings& settings, Counters& counters);

@@ -134,7 +134,9 @@ TEST(Discretisation, EvenLightNeedsNothing) {
   Cut cut({"plate", plate, {DirectionalLight{glm::dvec3(0, 0, -1), Rgb(1), 0}}}, "skin1");
   const Discretisation d = cut.discretise(100, 1e-5);
   EXPECT_EQ(d.rounds, 0);
-  EXPECT_LT(d.error, 1e-5);
+  EXPECT_EQ(d.error, 0);
+  EXPECT_EQ(cut.counters.skipped["discretisation_estimates"], 1u);
+  EXPECT_EQ(cut.counters.done.count("discretisation_points"), 0u);
 }
 
 TEST(Discretisation, TheLimitOfCellsHoldsAndIsCounted) {
