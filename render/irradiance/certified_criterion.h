@@ -55,23 +55,23 @@ class CertifiedCriterion {
     const float gap = std::max(nearest - e.radius, 0.0f), reach = farthest + e.radius;
     const ProfileBounds::Row& row = bounds_.from(gap * gap);
     const Four& low = bounds_.up_to(reach * reach).low;
+    const Four& typical = bounds_.up_to((distance + e.radius) * (distance + e.radius)).low;
     noise_ = &row.noise;
-    // The terms below fall with the distance from here on; before, the numerator is taken at its largest.
-    const float d = nearest >= e.radius + core_ ? nearest : farthest;
-    const float per_x = 1 / (gap * gap + bounds_.core_squared());
-    const float y = (2 * d * e.fourth + e.bulge) * per_x, y4 = y * y * y * y;
+    // The largest D / x over the distances D of the group, x = gap^2 + core^2: it rises up to this D and falls beyond.
+    const float steepest = std::clamp(std::sqrt(e.radius * e.radius + core_ * core_), nearest, farthest);
+    const float gap_there = std::max(steepest - e.radius, 0.0f);
+    const float per_x = 1 / (gap * gap + core_ * core_), m = steepest / (gap_there * gap_there + core_ * core_);
+    const float y = 2 * m * e.fourth + e.bulge * per_x, y4 = y * y * y * y;
     const float off = std::max(e.radius * e.radius - e.trace, e.trace);
-    const float third = 12 * d * d * e.mixed + e.deviation * e.deviation * (6 * d * e.radius + off);
-    const float z = third * per_x * per_x * per_x;
-    const float deviation = e.deviation;
+    const float deviation = e.deviation * per_x;
+    const float z = 12 * m * m * e.mixed * per_x + deviation * deviation * (6 * m * e.radius + off * per_x);
     // Below the axis there is no profile: the nearer point is moved to it.
-    float first = gap > 0 ? 0 : 0.5f * std::max(deviation - e.trace, 0.0f), second = 0;
+    float first = gap > 0 ? 0 : 0.5f * std::max(e.deviation - e.trace, 0.0f) * per_x, second = 0;
     if (e.unlike > 0) {
-      const float sigma = 2 * d * std::sqrt(e.stretch) + deviation;
+      const float sigma = 2 * m * std::sqrt(e.stretch) + deviation;
       first += e.unlike * deviation;
-      second = 1.1f * e.unlike * sigma * sigma * per_x * per_x;
+      second = 1.1f * e.unlike * sigma * sigma;
     }
-    first *= per_x;
     const float optimism = small ? optimism_ : 1;
     int rejected = 0;  // plain loops over four floats: compilers make vectors of them
     for (std::size_t o = 0; o < 4; ++o) {
@@ -80,7 +80,7 @@ class CertifiedCriterion {
       const float range = row.high[o] - low[o];
       error_[o] = expansion < range ? expansion : range;
       const float likely = optimism * expansion < range ? optimism * expansion : range;
-      rejected += likely > share_[o] + own_ * low[o];
+      rejected += likely > share_[o] + own_ * typical[o];
     }
     return rejected == 0;
   }

@@ -11,6 +11,7 @@ struct Subject {
   const char* name;
   Mesh (*mesh)();
   std::vector<Light> lights;
+  double height = 22;  ///< of the picture [mm]
 };
 
 Light side_light() { return DirectionalLight{glm::normalize(glm::dvec3(0.8, -0.3, -0.5)), Rgb(1), 0}; }
@@ -44,7 +45,7 @@ struct Cut {
     for (const VisiblePoint& p : make_gbuffer(scene, rays).points) points.push_back(p.position);
   }
   static Scene make(const Subject& subject, const std::string& material) {
-    Scene scene = test::make_scene(subject.mesh(), test::library_material(material), 22, 24);
+    Scene scene = test::make_scene(subject.mesh(), test::library_material(material), subject.height, 24);
     scene.lights = subject.lights;
     return scene;
   }
@@ -78,7 +79,7 @@ double relative_rms(const std::vector<glm::vec3>& a, const std::vector<glm::vec3
 }
 
 std::vector<Subject> subjects() {
-  return {{"sphere", sphere, {side_light()}}, {"torus", torus, {side_light()}}, {"beam", plate, {beam()}}};
+  return {{"sphere", sphere, {side_light()}}, {"torus", torus, {side_light()}}, {"beam", plate, {beam()}, 6}};
 }
 
 class DiscretisationOf : public testing::TestWithParam<std::tuple<int, std::string>> {};
