@@ -58,7 +58,9 @@ class CertifiedCriterion {
     const Four& typical = bounds_.up_to((distance + e.radius) * (distance + e.radius)).low;
     noise_ = &row.noise;
     // The largest D / x over the distances D of the group, x = gap^2 + core^2: it rises up to this D and falls beyond.
-    const float steepest = std::clamp(std::sqrt(e.radius * e.radius + core_ * core_), nearest, farthest);
+    const float steepest = nearest >= e.radius + core_
+                               ? nearest
+                               : std::clamp(std::sqrt(e.radius * e.radius + core_ * core_), nearest, farthest);
     const float gap_there = std::max(steepest - e.radius, 0.0f);
     const float per_x = 1 / (gap * gap + core_ * core_), m = steepest / (gap_there * gap_there + core_ * core_);
     const float y = 2 * m * e.fourth + e.bulge * per_x, y4 = y * y * y * y;
@@ -101,7 +103,7 @@ class CertifiedCriterion {
 
  private:
   /// Of the tolerance, what is shared out by flux; the rest is in proportion to what a cluster gives.
-  static constexpr float shared_part = 0.5f;
+  static constexpr float shared_part = 0.2f;
 
   static constexpr float max_opening = 0.8f;  ///< (radius / distance)^2
   static constexpr float rounding = 1.001f;

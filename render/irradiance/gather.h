@@ -217,7 +217,7 @@ class GroupGather {
 /// not depend on the number of threads: groups are fixed by the points alone.
 template <typename MakeCriterion, typename MakeSink>
 GatherCounts gather(const ClusterTree& tree, const SurfaceCells& cells, std::span<const glm::vec3> points,
-                    MakeCriterion&& make_criterion, MakeSink&& make_sink, std::size_t group_size = 64) {
+                    MakeCriterion&& make_criterion, MakeSink&& make_sink, std::size_t group_size = 512) {
   if (tree.nodes.empty()) return {};  // nothing is lit
   const std::vector<MortonKey> order = morton_sorted(points);
   std::vector<std::size_t> begins;
