@@ -55,7 +55,7 @@ class CertifiedCriterion {
     const float gap = std::max(nearest - e.radius, 0.0f), reach = farthest + e.radius;
     const ProfileBounds::Row& row = bounds_.from(gap * gap);
     const Four& low = bounds_.up_to(reach * reach).low;
-    const Four& typical = bounds_.up_to((distance + e.radius) * (distance + e.radius)).low;
+    const Four& gives = bounds_.up_to((distance + e.radius) * (distance + e.radius)).low;
     noise_ = &row.noise;
     // The largest D / x over the distances D of the group, x = gap^2 + core^2: it rises up to this D and falls beyond.
     const float steepest = nearest >= e.radius + core_
@@ -82,7 +82,7 @@ class CertifiedCriterion {
       const float range = row.high[o] - low[o];
       error_[o] = expansion < range ? expansion : range;
       const float likely = optimism * expansion < range ? optimism * expansion : range;
-      rejected += likely > share_[o] + own_ * typical[o];
+      rejected += likely > share_[o] + own_ * gives[o];
     }
     return rejected == 0;
   }

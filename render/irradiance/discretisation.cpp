@@ -132,11 +132,11 @@ class Discretiser {
   Discretisation run(SurfaceCells cells, IrradianceField irradiance) {
     Discretisation d{std::move(cells), std::move(irradiance), {}, 0, 0};
     d.tree = build_cluster_tree(d.cells, d.irradiance);
-    d.error = estimate(d);
-    while (d.error > settings_.max_relative_error && d.rounds < settings_.max_rounds && split(d)) {
+    estimate(d);
+    while (d.error > settings_.max_relative_error && d.rounds < settings_.max_rounds && !take_quarters(d) && split(d)) {
       ++d.rounds;
       d.tree = build_cluster_tree(d.cells, d.irradiance);
-      d.error = estimate(d);
+      estimate(d);
     }
     counters_.done["discretisation_rounds"] += static_cast<std::uint64_t>(d.rounds);
     if (lit_again_) d.tree = build_cluster_tree(d.cells, d.irradiance);
@@ -145,21 +145,27 @@ class Discretiser {
   }
 
  private:
-  /// RMS over RMS of the channel that is worst.
-  double estimate(Discretisation& d) {
+  /// Sets the error of d and fine_, all quarters with theirs: RMS over RMS of the channel that is worst.
+  void estimate(Discretisation& d) {
     lit_again_ = false;
+    d.error = 0;
     if (d.tree.nodes.empty() || evenly_lit(d.cells, d.irradiance)) {
       ++counters_.skipped["discretisation_estimates"];
-      return 0;
+      return;
     }
-    SurfaceCells quarters;
-    IrradianceField field;
-    quarters_of(d.cells, d.irradiance, quarters, field);
-    const std::vector<std::uint32_t> edges = light_edges_again(d, quarters, field);
+    quarters_of(d.cells, d.irradiance, fine_.cells, fine_.irradiance);
+    const std::vector<std::uint32_t> edges = light_edges_again(d, fine_.cells, fine_.irradiance);
+    fine_.tree = build_cluster_tree(fine_.cells, fine_.irradiance);
+    const double left = jumps(d) ? of_jumps : of_smooth;
+    d.error = difference(d, fine_) / (1 - left);
+    fine_.error = left * d.error;
+    adopt(edges, fine_.irradiance, d.irradiance);
+  }
+
+  double difference(const Discretisation& d, const Discretisation& of) {
     const Probes probes = make_probes(d.cells, d.irradiance);
     counters_.done["discretisation_points"] += probes.positions.size();
-    const std::vector<glm::vec3> coarse = exitance(d.tree, d.cells, d.irradiance, probes),
-                                 fine = exitance(build_cluster_tree(quarters, field), quarters, field, probes);
+    const std::vector<glm::vec3> coarse = exitance(d, probes), fine = exitance(of, probes);
     double worst = 0;
     for (int c = 0; c < 3; ++c) {
       double error = 0, norm = 0;
@@ -169,9 +175,19 @@ class Discretiser {
       }
       if (norm > 0) worst = std::max(worst, std::sqrt(error / norm));
     }
-    const double left = jumps(d) ? of_jumps : of_smooth;
-    adopt(edges, field, d.irradiance);
-    return worst / (1 - left);
+    return worst;
+  }
+
+  /// If the quarters that were made for the estimate are good enough they are the answer: no light is needed for them,
+  /// no further estimate, and a gather hardly minds four times the cells.
+  bool take_quarters(Discretisation& d) {
+    if (fine_.error > settings_.max_relative_error || fine_.cells.size() > settings_.max_cells) return false;
+    counters_.done["cells_added_by_discretisation"] += fine_.cells.size() - d.cells.size();
+    const int rounds = d.rounds + 1;
+    d = std::move(fine_);
+    d.rounds = rounds;
+    lit_again_ = false;
+    return true;
   }
 
   /// What splitting every cell in four leaves of the error: a quarter where the irradiance is smooth; where it jumps
@@ -236,10 +252,9 @@ class Discretiser {
   }
   static constexpr float edge = 0.2f;
 
-  std::vector<glm::vec3> exitance(const ClusterTree& tree, const SurfaceCells& cells, const IrradianceField& field,
-                                  const Probes& probes) const {
+  std::vector<glm::vec3> exitance(const Discretisation& d, const Probes& probes) const {
     Counters apart;
-    return gather_exitance(tree, cells, profiles_, field.colour, probes.positions,
+    return gather_exitance(d.tree, d.cells, profiles_, d.irradiance.colour, probes.positions,
                            {GatherSettings::Criterion::error, 0.5 * settings_.max_relative_error, 0}, apart);
   }
 
@@ -301,6 +316,7 @@ class Discretiser {
   DiscretisationSettings settings_;
   Counters& counters_;
   bool lit_again_ = false;  ///< since the tree was built
+  Discretisation fine_{};
 };
 
 }  // namespace

@@ -2,9 +2,10 @@
 //
 // A cell has one irradiance, the mean of its four quarters. What that leaves out is estimated by a second placement:
 // the exitance of the quarters, each with its own irradiance, against that of the cells, at points all over the
-// surface. Refining falls as the number of cells or faster where light is smooth and more slowly at its edges; the
-// estimate takes the first, so it is 4/3 of the difference. Where it is above the tolerance, the cells whose irradiance
-// varies most are split until it is not. A narrow profile needs finer cells than a wide one in the same light.
+// surface. Quarters are wrong by a quarter of it where light is smooth and by half of it at its edges, so the estimate
+// is 4/3 of the difference, or twice it. Where it is above the tolerance and the quarters are good enough, they are the
+// cells, at no further cost; else the cells whose irradiance varies most are split, and so on. A narrow profile needs
+// finer cells than a wide one in the same light.
 #pragma once
 
 #include "render/irradiance/profile_gather.h"
@@ -23,7 +24,7 @@ struct Discretisation {
   IrradianceField irradiance;
   ClusterTree tree;
   double error = 0;  ///< estimated, as max_relative_error is meant; 0 where nothing is lit
-  int rounds = 0;    ///< how often cells were split
+  int rounds = 0;    ///< how often cells were split, or replaced by their quarters
 };
 
 /// The cells given, or finer ones. `irradiance` has quarters (compute_irradiance). Counts: discretisation_points,

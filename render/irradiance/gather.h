@@ -1,6 +1,6 @@
 // The hierarchical gather: for every query, lists of patches that stand for the whole surface.
 //
-// Queries are sorted along a Morton curve and walk the tree in groups of at most 64, 16, 4 and 1 neighbours: what may
+// Queries are sorted along a Morton curve and walk the tree in groups of at most 512, 128, .. 1 neighbours: what may
 // be used whole by all queries of a group goes on the group's list; the rest is opened, cells into quarters until they
 // are small enough, so that the near field is integrated, not sampled. What is small against the group and would do for
 // its middle is left to the group's parts.
@@ -94,7 +94,7 @@ class GroupGather {
   /// Below this part of a group's radius a patch is left to the group's parts: opened, it would only make more work.
   static constexpr float small = 0.5f;
   /// A group wider than this part of the whole surface shares nothing.
-  static constexpr float wide = 0.15f;
+  static constexpr float wide = 0.1f;
 
   /// A leaf's cell or a part of it, `scale` times as large; scale < 0: turned by half a turn.
   struct Part {
