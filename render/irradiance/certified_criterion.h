@@ -10,6 +10,13 @@
 
 namespace opaline {
 
+/// How many times larger than the error of a picture the bound is, about. Bounds add up without cancelling and take
+/// every derivative at its largest, so they are far above the errors, the more so the larger the clusters are.
+/// Calibrated so that the RMS over a picture is at most half the tolerance (tests/render).
+inline float pessimism_of_bounds(double tolerance) {
+  return std::max(1.0f, 1500 * static_cast<float>(std::pow(100 * tolerance, 0.4)));
+}
+
 class CertifiedCriterion {
  public:
   static constexpr float moments = 1;

@@ -135,12 +135,9 @@ bool bounded(const GatherSettings& settings) {
   return settings.criterion == Criterion::bound || settings.criterion == Criterion::error;
 }
 
-/// How many times larger than the error the bound is taken to be. Bounds add up without cancelling and take every
-/// derivative at its largest, so they are far above the errors, the more so the larger the clusters are. Calibrated on
-/// the worst pixel of pictures (tests/render); single cells are no clusters.
+/// How many times larger than the error the bound is taken to be; single cells are no clusters.
 float pessimism(const GatherSettings& settings) {
-  if (settings.criterion == Criterion::error)
-    return std::max(1.0f, 500 * static_cast<float>(std::pow(100 * settings.max_relative_error, 0.25)));
+  if (settings.criterion == Criterion::error) return pessimism_of_bounds(settings.max_relative_error);
   return settings.criterion == Criterion::none ? 20 : 1;
 }
 

@@ -85,12 +85,10 @@ class TableMaker {
   GatherCounts gather_part() {
     const ProfileSum& profile = work_.profiles.sum();
     const auto error = static_cast<float>(work_.max_relative_error);
-    // As the hierarchical technique takes its estimate; irradiance.md.
-    const float pessimism = std::max(1.0f, 500 * static_cast<float>(std::pow(100 * work_.max_relative_error, 0.25)));
     constexpr float dark = 1e-3f;
     const auto sink = [&] { return TransferSink{profile, tree_, discs_, sums_.data()}; };
     const CertifiedCriterion criterion(tree_.tree(), work_.profiles.bounds(1), profile, error, {dark, dark, dark, 0},
-                                       pessimism);
+                                       pessimism_of_bounds(work_.max_relative_error));
     return gather(
         tree_.tree(), tree_.cells(), work_.positions, [&] { return criterion; }, sink);
   }

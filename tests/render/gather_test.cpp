@@ -67,8 +67,8 @@ Picture picture(const std::string& shape, const std::string& material, int pixel
 
 class GatherAccuracy : public testing::TestWithParam<std::tuple<std::string, std::string>> {};
 
-// The setting is a promise about the RMS over a picture. Measured: 1.2e-3 to 5.3e-3 at 1e-2,
-// 1.2e-4 to 5.5e-4 at 1e-3, 1.2e-5 to 4e-5 at 1e-4; the reference itself is good to 1.5e-6.
+// The setting is a promise about the RMS over a picture. Measured: at most 0.25 of it at 1e-2 and 1e-3, 0.34 at 1e-4,
+// and the worst point within it; the reference itself is good to 1.5e-6.
 TEST_P(GatherAccuracy, StaysWithinTheTolerance) {
   const auto& [shape, material] = GetParam();
   const Picture p = picture(shape, material);
@@ -79,7 +79,7 @@ TEST_P(GatherAccuracy, StaysWithinTheTolerance) {
       const auto difference = relative_difference(got, exact, c, p.floor());
       EXPECT_GT(difference.count, 30u) << "too few pixels to mean anything";
       EXPECT_LT(difference.rms, tolerance) << "channel " << c;
-      EXPECT_LT(difference.worst, 10 * tolerance) << "channel " << c;
+      EXPECT_LT(difference.worst, 5 * tolerance) << "channel " << c;
     }
   }
 }

@@ -121,7 +121,7 @@ Reached reach(const Ball& ball, double rms, bool all_points, int runs, const std
 
 std::vector<GatherSettings> ladder(GatherSettings::Criterion criterion) {
   std::vector<GatherSettings> all;
-  for (double t = 1; t > 5e-6; t /= std::sqrt(10.0))
+  for (double t = 3; t > 5e-6; t /= 1.8)
     all.push_back(criterion == GatherSettings::Criterion::solid_angle ? GatherSettings{criterion, 0, t}
                                                                       : GatherSettings{criterion, t, 0});
   return all;
