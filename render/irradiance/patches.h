@@ -17,7 +17,8 @@
 
 namespace opaline {
 
-/// Structure of arrays for the geometry, `masses` floats in a row for the fluxes.
+/// Blocks of `lanes` patches, each a structure of arrays, for the geometry (one stream to read, whose lines don't fight
+/// for the same sets of the cache); `masses` floats in a row for the fluxes.
 class PatchList {
  public:
   explicit PatchList(int masses = 1) : masses_(static_cast<std::size_t>(masses)) {}
@@ -62,7 +63,8 @@ class PatchList {
 
   /// Geometry rows: 0-2 centroid, 3-8 covariance xx xy xz yy yz zz, 9 trace, 10 variance of |delta|^2,
   /// 11-20 coefficients of E (x . delta)^3.
-  const float* row(int field) const { return geometry_[field].data(); }
+  /// The field of patch i and of those behind it up to the next multiple of `lanes`.
+  const float* geometry(int field, std::size_t i) const { return &geometry_[place(field, i)]; }
   const float* mass() const { return mass_.data(); }
   /// The tree's node each patch is, or is a part of.
   const std::uint32_t* nodes() const { return nodes_.data(); }
@@ -77,7 +79,7 @@ class PatchList {
     const std::size_t end = padded(count_), saved = count_;
     while (count_ < end) {
       const std::size_t i = grow();
-      for (auto& row : geometry_) row[i] = 0;
+      for (int field = 0; field < rows; ++field) geometry_[place(field, i)] = 0;
       nodes_[i] = 0;
       std::fill_n(mass_.begin() + static_cast<std::ptrdiff_t>(i * masses_), masses_, 0.0f);
       if (masses_ > 1)
@@ -88,9 +90,9 @@ class PatchList {
 
  private:
   std::size_t grow() {
-    if (count_ == geometry_[0].size()) {
+    if (count_ == nodes_.size()) {
       const std::size_t capacity = count_ ? 2 * count_ : 256;
-      for (auto& row : geometry_) row.resize(capacity);
+      geometry_.resize(capacity * rows);
       mass_.resize(capacity * masses_);
       nodes_.resize(capacity);
       if (masses_ > 1)
@@ -100,15 +102,19 @@ class PatchList {
   }
   void set_geometry(std::size_t i, const glm::vec3& centroid, const ClusterNode& n, float scale) {
     const float s2 = scale * scale, s3 = s2 * scale;
-    for (int axis = 0; axis < 3; ++axis) geometry_[axis][i] = centroid[axis];
-    for (int k = 0; k < 6; ++k) geometry_[3 + k][i] = s2 * n.covariance[k];
-    geometry_[9][i] = s2 * n.extent.trace;
-    geometry_[10][i] = s2 * s2 * n.extent.deviation * n.extent.deviation;
-    for (std::size_t k = 0; k < n.third.size(); ++k) geometry_[11 + k][i] = s3 * n.third[k];
+    float* const g = &geometry_[place(0, i)];
+    for (int axis = 0; axis < 3; ++axis) g[static_cast<std::size_t>(axis) * lanes] = centroid[axis];
+    for (std::size_t k = 0; k < 6; ++k) g[(3 + k) * lanes] = s2 * n.covariance[k];
+    g[9 * lanes] = s2 * n.extent.trace;
+    g[10 * lanes] = s2 * s2 * n.extent.deviation * n.extent.deviation;
+    for (std::size_t k = 0; k < n.third.size(); ++k) g[(11 + k) * lanes] = s3 * n.third[k];
+  }
+  static std::size_t place(int field, std::size_t i) {
+    return (i / lanes * rows + static_cast<std::size_t>(field)) * lanes + i % lanes;
   }
 
   std::size_t masses_, count_ = 0;
-  std::vector<float> geometry_[rows], mass_, first_[3];
+  std::vector<float> geometry_, mass_, first_[3];
   std::vector<std::uint32_t> nodes_;
 };
 

@@ -44,7 +44,7 @@ template <class D, class V = hn::Vec<D>>
 HWY_INLINE ThirdMoments<V> third_moments(D d, const PatchList& patches, std::size_t i, const TwoPoints<V>& r, V xx,
                                          V yy, V zz) {
   V k[10];
-  for (int m = 0; m < 10; ++m) k[m] = hn::LoadU(d, patches.row(11 + m) + i);
+  for (int m = 0; m < 10; ++m) k[m] = hn::LoadU(d, patches.geometry(11 + m, i));
   const V yz = hn::Mul(r.dy, r.dz), third = hn::Set(d, 1.0f / 3);
   // Ordered by powers of x, y, z: xxx xxy xxz xyy xyz xzz yyy yyz yzz zzz.
   const V with_xx = hn::MulAdd(k[0], r.dx, hn::MulAdd(k[1], r.dy, hn::Mul(k[2], r.dz)));
@@ -61,11 +61,11 @@ HWY_INLINE ThirdMoments<V> third_moments(D d, const PatchList& patches, std::siz
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE TwoPoints<V> two_points(D d, const PatchList& patches, std::size_t i, const glm::vec3& position) {
   TwoPoints<V> r;
-  r.dx = hn::Sub(hn::Set(d, position.x), hn::LoadU(d, patches.row(0) + i));
-  r.dy = hn::Sub(hn::Set(d, position.y), hn::LoadU(d, patches.row(1) + i));
-  r.dz = hn::Sub(hn::Set(d, position.z), hn::LoadU(d, patches.row(2) + i));
+  r.dx = hn::Sub(hn::Set(d, position.x), hn::LoadU(d, patches.geometry(0, i)));
+  r.dy = hn::Sub(hn::Set(d, position.y), hn::LoadU(d, patches.geometry(1, i)));
+  r.dz = hn::Sub(hn::Set(d, position.z), hn::LoadU(d, patches.geometry(2, i)));
   const V xx = hn::Mul(r.dx, r.dx), yy = hn::Mul(r.dy, r.dy), zz = hn::Mul(r.dz, r.dz);
-  const auto c = [&](int row) HWY_ATTR { return hn::LoadU(d, patches.row(row) + i); };
+  const auto c = [&](int row) HWY_ATTR { return hn::LoadU(d, patches.geometry(row, i)); };
   // D^T C D with the off-diagonal terms counted twice.
   const V mixed = hn::MulAdd(hn::MulAdd(c(4), r.dy, hn::Mul(c(5), r.dz)), r.dx, hn::Mul(hn::Mul(c(7), r.dy), r.dz));
   const V pure = hn::MulAdd(c(3), xx, hn::MulAdd(c(6), yy, hn::Mul(c(8), zz)));
