@@ -46,7 +46,7 @@ struct ReferencePoints {
 /// Linear B of all vertices, a row for each channel, padded as the rows of the table.
 struct VertexExitance {
   std::size_t stride = 0;
-  std::array<std::vector<float>, 3> channel;
+  std::array<std::unique_ptr<float[]>, 3> channel;
 };
 
 class EncodedTransfer {
@@ -66,6 +66,9 @@ class EncodedTransfer {
   /// B of all vertices under the lights, not below 0. Counts rows done and skipped, in vertices.
   VertexExitance exitance(const std::vector<TransferLight>& lights, const TransferNodes& nodes,
                           Counters& counters) const;
+  /// The same in the place of an earlier frame's: new memory would cost as much as a large table's rows.
+  void exitance(const std::vector<TransferLight>& lights, const TransferNodes& nodes, VertexExitance& out,
+                Counters& counters) const;
 
  private:
   std::vector<KeyWeight> key_weights(const std::vector<TransferLight>& lights, const TransferNodes& nodes) const;

@@ -143,7 +143,8 @@ TEST_P(EveryTarget, RowsAreSummedAsTheyAreStored) {
     std::vector<float> out(stride, 0.5f);
     std::vector<RowTerm> terms;
     for (std::size_t r = 0; r < rows; ++r) terms.push_back(coded.term(r, 0.1f * static_cast<float>(r)));
-    add_rows(storage, terms, 0, stride, out.data());
+    add_rows(storage, terms, 0, 32, out.data());
+    add_rows(storage, terms, 32, stride - 32, out.data() + 32, terms);
     for (std::size_t v = 0; v < vertices; ++v) {
       double sum = 0.5;
       for (std::size_t r = 0; r < rows; ++r)
@@ -154,14 +155,26 @@ TEST_P(EveryTarget, RowsAreSummedAsTheyAreStored) {
 }
 
 TEST_P(EveryTarget, CornersAreBlended) {
-  const std::vector<float> corners = {1, 2, 3, 0, 10, 20, 30, 0, 100, 200, 300, 0, 7, 7, 7, 0, 7, 7, 7, 0, 7, 7, 7, 0};
-  const std::vector<std::uint32_t> triangle = {0, 1, 0};
-  const std::vector<short> weights = {5000, 2500, 123, 4000, -10000, 20000};
-  std::vector<float> red(3, 1), green(3, 1), blue(3, 1);
-  add_blend({corners.data(), triangle.data(), weights.data()}, 0, 3, red.data(), green.data(), blue.data());
+  const std::vector<float> points = {1, 2, 3, 0, 10, 20, 30, 0, 100, 200, 300, 0, 7, 7, 7, 0};
+  const std::vector<std::uint32_t> triangles = {0, 1, 2, 3, 3, 3, 2, 0, 1};
+  std::vector<std::uint32_t> triangle_of(48, 1);
+  std::vector<short> weights(96, 0);
+  triangle_of[16] = 0, weights[32] = 5000, weights[33] = 2500;
+  triangle_of[18] = 2, weights[36] = -10000, weights[37] = 20000;
+  std::vector<float> red(32, 1), green(32, 1), blue(32, 1);
+  add_blend({points.data(), triangles.data(), triangle_of.data(), weights.data()}, 16, 32,
+            {red.data(), green.data(), blue.data()});
   EXPECT_NEAR(red[0], 1 + 0.5 + 2.5 + 25, 1e-4);
   EXPECT_NEAR(blue[1], 8, 1e-5);
-  EXPECT_NEAR(green[2], 1 - 2 + 40, 1e-4);
+  EXPECT_NEAR(green[2], 1 - 200 + 4, 1e-4);
+  EXPECT_NEAR(blue[31], 8, 1e-5);
+}
+
+TEST_P(EveryTarget, NoLightIsNegative) {
+  std::vector<float> sum(32), out(32, 5);
+  for (std::size_t i = 0; i < 32; ++i) sum[i] = static_cast<float>(i) - 10;
+  EXPECT_EQ(store_exitance(sum.data(), 2, 32, out.data()), 10u);
+  for (std::size_t i = 0; i < 32; ++i) EXPECT_EQ(out[i], std::max(2 * sum[i], 0.0f));
 }
 
 INSTANTIATE_TEST_SUITE_P(TransferRows, EveryTarget, testing::ValuesIn(simd_targets()),
