@@ -80,9 +80,9 @@ EncodedTransfer encode(TransferTable table, const TransferNodes& nodes, const Tr
   if (s.form == TransferForm::references)
     return encode_references(table, nodes, vertices,
                              {.points = s.references ? s.references : table.vertices / 29 + 1,
+                              .selection = s.reference_selection,
                               .weights = s.reference_weights,
-                              .order = s.order,
-                              .difference = RowStorage::code8});
+                              .order = s.order});
   return encode_rows(std::move(table), s.form == TransferForm::lloyd ? RowStorage::code8 : RowStorage::f32);
 }
 

@@ -18,7 +18,8 @@ struct TransferSettings {
   double max_relative_error = 3e-3;
   int order = 0;               ///< 0: 7 for harmonics, 3 for reference points
   std::size_t references = 0;  ///< 0: a twenty-ninth of the vertices
-  ReferenceWeights reference_weights = ReferenceWeights::barycentric;
+  ReferenceSelection reference_selection = ReferenceSelection::transfer;
+  ReferenceWeights reference_weights = ReferenceWeights::least_squares;
   std::string file;  ///< empty: nothing is loaded or kept
 };
 

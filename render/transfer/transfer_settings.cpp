@@ -28,9 +28,13 @@ std::vector<SettingSpec> transfer_setting_specs() {
       {"max_relative_error", "3e-3", "of the gather behind the table", {}, 1e-7, 1},
       {"order", "0", "of the harmonics; 0: 7, and 3 beside reference points", {}, 0, highest_order, true},
       {"references", "0", "reference points; 0: a twenty-ninth of the vertices", {}, 0, 10'000'000, true},
+      {"selection",
+       "transfer",
+       "of the reference points: by the shape alone, as published, or two in five where the transfer needs them",
+       {"shape", "transfer"}},
       {"weights",
-       "barycentric",
-       "of the reference points: by place, or by least squares",
+       "least_squares",
+       "of the reference points: by place, as published, or by least squares",
        {"barycentric", "least_squares"}},
       {"file", "", "where the table is kept and taken up again", {}, 0, 0, false, true}};
 }
@@ -54,6 +58,7 @@ TransferSettings read_transfer_settings(const Settings& s) {
   t.order = static_cast<int>(s.number("order"));
   if (t.order == 0) t.order = t.form == TransferForm::references ? 3 : 7;
   t.references = static_cast<std::size_t>(s.number("references"));
+  t.reference_selection = s.word("selection") == "shape" ? ReferenceSelection::shape : ReferenceSelection::transfer;
   t.reference_weights =
       s.word("weights") == "least_squares" ? ReferenceWeights::least_squares : ReferenceWeights::barycentric;
   t.file = s.word("file");

@@ -3,7 +3,7 @@
 #include "model/simd.h"
 #include "render/input_error.h"
 #include "render/transfer/harmonics.h"
-#include "render/transfer/reference_mesh.h"
+#include "render/transfer/reference_fit.h"
 #include "render/visibility/closest_triangle.h"
 #include "tests/render/scene_fixture.h"
 #include "tests/render/transfer_fixture.h"
@@ -11,6 +11,7 @@
 #include <gmock/gmock.h>
 
 #include <map>
+#include <set>
 
 namespace opaline {
 namespace {
@@ -267,10 +268,12 @@ class Forms : public testing::Test {
     return f;
   }
   static double error(const EncodedTransfer& t) { return test::encoding_error(fixture(), t); }
-  static EncodedTransfer references(std::size_t points, int order, ReferenceWeights weights) {
+  static EncodedTransfer references(std::size_t points, int order, ReferenceWeights weights,
+                                    ReferenceSelection selection = ReferenceSelection::shape) {
     return encode_references(fixture().table, fixture().nodes, fixture().vertices,
-                             {.points = points, .weights = weights, .order = order});
+                             {.points = points, .selection = selection, .weights = weights, .order = order});
   }
+  static Remainder remainder() { return Remainder(fixture().table, HarmonicFit(fixture().table, fixture().nodes, 3)); }
 };
 
 TEST_F(Forms, FloatsAreExactAndCodesNearlySo) {
@@ -330,6 +333,72 @@ TEST_F(Forms, ReferencePointsBeatTheHarmonicsTheyAreCompletedBy) {
 TEST_F(Forms, LeastSquaresWeightsAreNoWorse) {
   EXPECT_LT(error(references(100, 3, ReferenceWeights::least_squares)),
             error(references(100, 3, ReferenceWeights::barycentric)));
+}
+
+TEST_F(Forms, TheRemainderIsOrthogonalToTheHarmonics) {
+  const Remainder rest = remainder();
+  std::vector<glm::dvec3> directions;
+  for (std::size_t j = 0; j < 100; ++j) directions.push_back(fixture().nodes.directions[j]);
+  std::vector<double> matrix;
+  ASSERT_TRUE(harmonic_projection(3, directions, matrix));
+  for (std::size_t v = 0; v < fixture().table.vertices; v += 31)
+    for (std::size_t i = 0; i < 9; ++i) {
+      double coefficient = 0;
+      for (std::size_t j = 0; j < 100; ++j)
+        coefficient += matrix[i * 100 + j] * static_cast<double>(rest.of(v)[3 * j + 1]);
+      EXPECT_NEAR(coefficient, 0, 1e-5);
+    }
+}
+
+TEST_F(Forms, PointsAreAddedWhereTheyHelp) {
+  const auto squares = [](const ReferenceMesh& mesh, const Remainder& rest) {
+    double sum = 0;
+    for (std::size_t v = 0; v < mesh.triangle_of.size(); ++v) {
+      const glm::uvec3 t = mesh.triangles[mesh.triangle_of[v]];
+      const glm::dvec3 w(mesh.weights[v], 1 - mesh.weights[v].x - mesh.weights[v].y);
+      for (std::size_t r = 0; r < fixture().table.rows(); ++r) {
+        double left = static_cast<double>(rest.of(v)[r]);
+        for (int k = 0; k < 3; ++k) left -= w[k] * static_cast<double>(rest.of(mesh.points[t[k]])[r]);
+        sum += left * left;
+      }
+    }
+    return sum;
+  };
+  const Remainder rest = remainder();
+  ReferenceMesh mesh = make_reference_mesh(fixture().vertices, 100);
+  const std::size_t before = mesh.points.size();
+  double left = squares(mesh, rest);
+  for (const std::size_t more : {20u, 40u, 80u}) {
+    add_points(rest, before + more, mesh);
+    ASSERT_EQ(mesh.points.size(), before + more);
+    EXPECT_EQ(std::set<std::uint32_t>(mesh.points.begin(), mesh.points.end()).size(), mesh.points.size());
+    const double now = squares(mesh, rest);
+    EXPECT_LT(now, left) << more;
+    left = now;
+  }
+  for (std::size_t v = 0; v < mesh.weights.size(); ++v) {  // still places in a triangle
+    const glm::dvec2 w = mesh.weights[v];
+    EXPECT_GE(std::min({w.x, w.y, 1 - w.x - w.y}), -1e-9);
+  }
+  for (std::size_t i = before; i < mesh.points.size(); ++i) {  // a new point is itself
+    const std::uint32_t v = mesh.points[i];
+    const glm::uvec3 t = mesh.triangles[mesh.triangle_of[v]];
+    const glm::dvec3 w(mesh.weights[v], 1 - mesh.weights[v].x - mesh.weights[v].y);
+    for (int k = 0; k < 3; ++k) EXPECT_NEAR(w[k], mesh.points[t[k]] == v ? 1 : 0, 1e-9);
+  }
+  fit_weights(rest, mesh);
+  EXPECT_LT(squares(mesh, rest), left);
+}
+
+TEST_F(Forms, PointsThatFollowTheTransferAreWorthMore) {
+  const EncodedTransfer by_shape = references(150, 3, ReferenceWeights::barycentric),
+                        by_transfer = references(by_shape.references->points.size(), 3, ReferenceWeights::barycentric,
+                                                 ReferenceSelection::transfer),
+                        fitted = references(by_shape.references->points.size(), 3, ReferenceWeights::least_squares,
+                                            ReferenceSelection::transfer);
+  EXPECT_EQ(by_transfer.references->points.size(), by_shape.references->points.size());
+  EXPECT_LT(error(by_transfer), error(by_shape));
+  EXPECT_LT(error(fitted), 0.8 * error(by_transfer));
 }
 
 TEST_F(Forms, ReferencePointsKeepWhatTheyHold) {
