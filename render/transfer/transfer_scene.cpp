@@ -79,7 +79,7 @@ EncodedTransfer encode(TransferTable table, const TransferNodes& nodes, const Tr
   if (s.form == TransferForm::harmonics) return encode_harmonics(table, nodes, s.order);
   if (s.form == TransferForm::references)
     return encode_references(table, nodes, vertices,
-                             {.points = s.references ? s.references : table.vertices / 29 + 1,
+                             {.points = s.references ? s.references : default_references(table.vertices),
                               .selection = s.reference_selection,
                               .weights = s.reference_weights,
                               .order = s.order});
@@ -87,6 +87,10 @@ EncodedTransfer encode(TransferTable table, const TransferNodes& nodes, const Tr
 }
 
 }  // namespace
+
+std::size_t default_references(std::size_t vertices) {
+  return static_cast<std::size_t>(std::lround(1.53 * std::pow(static_cast<double>(vertices), 0.68)));
+}
 
 TransferTable make_object_table(const SharedScene& shared, const TransferSettings& s, std::size_t i,
                                 const TransferNodes& nodes, TransferVertices& vertices, Counters& counters,

@@ -27,7 +27,7 @@ std::vector<SettingSpec> transfer_setting_specs() {
       {"view", "any", "any camera, or only what this one sees", {"any", "fixed"}},
       {"max_relative_error", "3e-3", "of the gather behind the table", {}, 1e-7, 1},
       {"order", "0", "of the harmonics; 0: 7, and 3 beside reference points", {}, 0, highest_order, true},
-      {"references", "0", "reference points; 0: a twenty-ninth of the vertices", {}, 0, 10'000'000, true},
+      {"references", "0", "reference points; 0: 1.53 vertices^0.68, about as published", {}, 0, 10'000'000, true},
       {"selection",
        "transfer",
        "of the reference points: by the shape alone, as published, or two in five where the transfer needs them",
