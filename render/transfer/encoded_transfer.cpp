@@ -141,7 +141,7 @@ void EncodedTransfer::exitance(const std::vector<TransferLight>& lights, const T
   if (references) {
     points = point_values(references->full->exitance(lights, nodes, counters), references->points.size());
     frame.blend = CornerBlend{points.data(), &references->triangles[0].x, references->triangle_of.data(),
-                              references->weights.data()};
+                              references->weights.data(), references->correction};
   }
   tbb::parallel_for(std::size_t{0}, rows.blocks(), [&](std::size_t b) { frame.work(b); });
   for (int c = 0; c < 3; ++c)

@@ -2,7 +2,8 @@
 //
 //   B_c(v) = sum over rows of weight_c(row) * row(v)  +  blend of the reference points' own B
 //
-// Lights come in only through the weights, of which there are as many for a hundred lights as for one.
+// where the sum is held to a share of the blend, if there is one. Lights come in only through the weights, of which
+// there are as many for a hundred lights as for one.
 //
 //   basis      rows                                         weights
 //   nodes      q at each node of light                      interpolation, transfer_lights.h
@@ -39,6 +40,10 @@ struct ReferencePoints {
   std::vector<glm::uvec3> triangles;       ///< of reference points
   std::vector<std::uint32_t> triangle_of;  ///< of each vertex, padded as its rows are
   std::vector<short> weights;              ///< of its first and second corner, in units of 1 / CornerBlend::weight_unit
+
+  /// The harmonics of the difference are held to this share of the blend: where little light comes they are more wrong
+  /// than the blend.
+  float correction = 1;
 
   double bytes_per_vertex() const;
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <queue>
@@ -15,44 +16,71 @@ using Lanes = std::array<float, Remainder::lanes>;
 
 double sum_of(const Lanes& lanes) { return std::accumulate(lanes.begin(), lanes.end(), 0.0); }
 
-using Corners = std::array<const float*, 3>;
+using Triangle = std::array<std::size_t, 3>;  ///< vertices
 
-Corners corners_of(const Remainder& remainder, const ReferenceMesh& mesh, std::uint32_t triangle) {
+Triangle vertices_of(const ReferenceMesh& mesh, std::uint32_t triangle) {
   const glm::uvec3 t = mesh.triangles[triangle];
-  return {remainder.of(mesh.points[t.x]), remainder.of(mesh.points[t.y]), remainder.of(mesh.points[t.z])};
+  return {mesh.points[t.x], mesh.points[t.y], mesh.points[t.z]};
 }
 
-/// Sum of squares of what a combination of the corners leaves of a vertex's own values.
-double squares_left(const float* own, const Corners& corners, const glm::dvec2& weights, std::size_t each) {
-  const glm::vec3 w(weights, 1 - weights.x - weights.y);
-  Lanes sum{};
-  for (std::size_t r = 0; r < each; r += Remainder::lanes)
-    for (std::size_t i = 0; i < Remainder::lanes; ++i) {
-      const std::size_t k = r + i;
-      const float left = own[k] - w.x * corners[0][k] - w.y * corners[1][k] - w.z * corners[2][k];
+/// A vertex and how its errors count.
+class Query {
+ public:
+  Query(const Remainder& remainder, std::size_t vertex)
+      : remainder_(remainder), vertex_(vertex), factor_(remainder.each(), 0.0f) {
+    constexpr float dark = 0.03f, least = 0.02f;
+    const float* value = remainder.value(vertex);
+    const float largest = remainder.largest(vertex), one = largest > 0 ? 1 / largest : 0;
+    for (std::size_t k = 0; k < factor_.size(); ++k) factor_[k] = dark / (std::abs(value[k]) * one + least);
+  }
+
+  /// Sum of squares of what a combination of a triangle's corners leaves.
+  double left(const Triangle& t, const glm::dvec2& weights) const {
+    const glm::vec3 w(weights, 1 - weights.x - weights.y);
+    Lanes sum{};
+    for_both(t, [&](float own, float a, float b, float c, float factor, std::size_t i) {
+      const float left = factor * (own - w.x * a - w.y * b - w.z * c);
       sum[i] += left * left;
-    }
-  return sum_of(sum);
-}
+    });
+    return sum_of(sum);
+  }
 
-/// Least squares, two unknowns: weights of the first two of three corners, the third having the rest of 1.
-glm::dvec2 best_weights(const float* own, const Corners& corners, std::size_t each, const glm::dvec2& before) {
-  Lanes aa{}, ab{}, bb{}, ay{}, by{};
-  for (std::size_t r = 0; r < each; r += Remainder::lanes)
-    for (std::size_t i = 0; i < Remainder::lanes; ++i) {
-      const std::size_t k = r + i;
-      const float a = corners[0][k] - corners[2][k], b = corners[1][k] - corners[2][k], y = own[k] - corners[2][k];
+  /// Least squares, two unknowns: weights of the first two of three corners, the third having the rest of 1.
+  glm::dvec2 best_weights(const Triangle& t, const glm::dvec2& before) const {
+    Lanes aa{}, ab{}, bb{}, ay{}, by{};
+    for_both(t, [&](float own, float first, float second, float third, float factor, std::size_t i) {
+      const float a = factor * (first - third), b = factor * (second - third), y = factor * (own - third);
       aa[i] += a * a, ab[i] += a * b, bb[i] += b * b, ay[i] += a * y, by[i] += b * y;
-    }
-  // A little pull towards what place says, where corners are alike.
-  const double pull = 1e-4 * (sum_of(aa) + sum_of(bb)) + 1e-30;
-  const double AA = sum_of(aa) + pull, BB = sum_of(bb) + pull, AB = sum_of(ab);
-  const double AY = sum_of(ay) + pull * before.x, BY = sum_of(by) + pull * before.y;
-  const double determinant = AA * BB - AB * AB;
-  if (!(determinant > 0)) return before;
-  const glm::dvec2 w((AY * BB - BY * AB) / determinant, (BY * AA - AY * AB) / determinant);
-  return glm::clamp(w, glm::dvec2(-1), glm::dvec2(2));
-}
+    });
+    // A little pull towards what place says, where corners are alike.
+    const double pull = 1e-4 * (sum_of(aa) + sum_of(bb)) + 1e-30;
+    const double AA = sum_of(aa) + pull, BB = sum_of(bb) + pull, AB = sum_of(ab);
+    const double AY = sum_of(ay) + pull * before.x, BY = sum_of(by) + pull * before.y;
+    const double determinant = AA * BB - AB * AB;
+    if (!(determinant > 0)) return before;
+    const glm::dvec2 w((AY * BB - BY * AB) / determinant, (BY * AA - AY * AB) / determinant);
+    return glm::clamp(w, glm::dvec2(-1), glm::dvec2(2));
+  }
+
+ private:
+  /// Calls use(own, of the corners, factor, lane) for what the harmonics leave and for the values.
+  template <typename Use>
+  void for_both(const Triangle& t, const Use& use) const {
+    const float *own = remainder_.rest(vertex_), *a = remainder_.rest(t[0]), *b = remainder_.rest(t[1]),
+                *c = remainder_.rest(t[2]);
+    const std::size_t each = remainder_.each();
+    for (std::size_t k = 0; k < each; k += Remainder::lanes)
+      for (std::size_t i = 0; i < Remainder::lanes; ++i) use(own[k + i], a[k + i], b[k + i], c[k + i], 1.0f, i);
+    own += each, a += each, b += each, c += each;
+    for (std::size_t k = 0; k < each; k += Remainder::lanes)
+      for (std::size_t i = 0; i < Remainder::lanes; ++i)
+        use(own[k + i], a[k + i], b[k + i], c[k + i], factor_[k + i], i);
+  }
+
+  const Remainder& remainder_;
+  std::size_t vertex_;
+  std::vector<float> factor_;
+};
 
 /// Splits triangles of a reference mesh where most is left.
 class Splitter {
@@ -60,7 +88,8 @@ class Splitter {
   Splitter(const Remainder& remainder, ReferenceMesh& mesh)
       : remainder_(remainder), mesh_(mesh), left_(mesh.triangle_of.size()), is_point_(mesh.triangle_of.size()) {
     for (const std::uint32_t v : mesh.points) is_point_[v] = true;
-    tbb::parallel_for(std::size_t{0}, left_.size(), [&](std::size_t v) { left_[v] = left_at(v); });
+    tbb::parallel_for(std::size_t{0}, left_.size(),
+                      [&](std::size_t v) { left_[v] = squares_left(remainder, mesh, v); });
     parts_.resize(mesh.triangles.size());
     for (std::uint32_t v = 0; v < left_.size(); ++v) parts_[mesh.triangle_of[v]].members.push_back(v);
     for (std::uint32_t t = 0; t < parts_.size(); ++t) add_up(t);
@@ -82,9 +111,8 @@ class Splitter {
     std::uint32_t worst = 0;
   };
 
-  double left_at(std::size_t v) const { return left_in(v, mesh_.triangle_of[v], mesh_.weights[v]); }
   double left_in(std::size_t v, std::uint32_t triangle, const glm::dvec2& weights) const {
-    return squares_left(remainder_.of(v), corners_of(remainder_, mesh_, triangle), weights, remainder_.each());
+    return Query(remainder_, v).left(vertices_of(mesh_, triangle), weights);
   }
 
   void add_up(std::uint32_t triangle) {
@@ -164,15 +192,24 @@ std::vector<std::vector<std::uint32_t>> triangles_around(const ReferenceMesh& me
 }  // namespace
 
 Remainder::Remainder(const TransferTable& table, const HarmonicFit& fit)
-    : each_((table.rows() + lanes - 1) / lanes * lanes), values_(each_ * table.vertices, 0.0f) {
+    : each_((table.rows() + lanes - 1) / lanes * lanes),
+      values_(2 * each_ * table.vertices, 0.0f),
+      largest_(table.vertices, 0.0f) {
   TransferTable rest = table;
   fit.subtract(fit.coefficients(table), rest);
   constexpr std::size_t block = 64;
   tbb::parallel_for(std::size_t{0}, (table.vertices + block - 1) / block, [&](std::size_t b) {
-    for (std::size_t r = 0; r < rest.rows(); ++r)
-      for (std::size_t v = b * block; v < std::min((b + 1) * block, rest.vertices); ++v)
-        values_[v * each_ + r] = rest.row(r)[v];
+    for (std::size_t r = 0; r < table.rows(); ++r)
+      for (std::size_t v = b * block; v < std::min((b + 1) * block, table.vertices); ++v) {
+        values_[2 * v * each_ + r] = rest.row(r)[v];
+        values_[(2 * v + 1) * each_ + r] = table.row(r)[v];
+        largest_[v] = std::max(largest_[v], std::abs(table.row(r)[v]));
+      }
   });
+}
+
+double squares_left(const Remainder& remainder, const ReferenceMesh& mesh, std::size_t vertex) {
+  return Query(remainder, vertex).left(vertices_of(mesh, mesh.triangle_of[vertex]), mesh.weights[vertex]);
 }
 
 void add_points(const Remainder& remainder, std::size_t points, ReferenceMesh& mesh) {
@@ -181,7 +218,8 @@ void add_points(const Remainder& remainder, std::size_t points, ReferenceMesh& m
 
 void fit_weights(const Remainder& remainder, ReferenceMesh& mesh) {
   const std::vector<std::vector<std::uint32_t>> around = triangles_around(mesh);
-  tbb::parallel_for(std::size_t{0}, mesh.triangle_of.size(), [&](std::size_t v) {
+  tbb::parallel_for(std::size_t{0}, remainder.vertices(), [&](std::size_t v) {
+    const Query query(remainder, v);
     const std::uint32_t own = mesh.triangle_of[v];
     std::vector<std::uint32_t> tried;
     for (int k = 0; k < 3; ++k)
@@ -191,10 +229,9 @@ void fit_weights(const Remainder& remainder, ReferenceMesh& mesh) {
     double least = std::numeric_limits<double>::infinity();
     const glm::dvec2 place = mesh.weights[v];
     for (const std::uint32_t t : tried) {
-      const Corners corners = corners_of(remainder, mesh, t);
-      const glm::dvec2 w =
-          best_weights(remainder.of(v), corners, remainder.each(), t == own ? place : glm::dvec2(1.0 / 3));
-      const double left = squares_left(remainder.of(v), corners, w, remainder.each());
+      const Triangle corners = vertices_of(mesh, t);
+      const glm::dvec2 w = query.best_weights(corners, t == own ? place : glm::dvec2(1.0 / 3));
+      const double left = query.left(corners, w);
       if (left < least) least = left, mesh.triangle_of[v] = t, mesh.weights[v] = w;
     }
   });

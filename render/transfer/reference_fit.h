@@ -7,21 +7,31 @@
 
 namespace opaline {
 
-/// What the harmonics cannot hold of each vertex's values, side by side.
+/// What a combination of reference points should reproduce of each vertex, side by side: what the harmonics cannot
+/// hold, and, for the dark, the values themselves, whose errors count by what is left beside
+///     dark / (value / largest value of the vertex + 0.02)
+/// Harmonics that mend a large value a little spoil a small one of the same vertex more than it is: there the points
+/// alone must be right, and the harmonics are held to a share of them (CornerBlend::correction).
 class Remainder {
  public:
   static constexpr std::size_t lanes = 16;
 
   Remainder(const TransferTable& table, const HarmonicFit& fit);
 
-  /// Values a vertex, padded with zeros to a multiple of `lanes`.
+  std::size_t vertices() const { return largest_.size(); }
+  /// Numbers of one kind, padded with zeros to a multiple of `lanes`.
   std::size_t each() const { return each_; }
-  const float* of(std::size_t vertex) const { return &values_[vertex * each_]; }
+  const float* rest(std::size_t vertex) const { return &values_[2 * vertex * each_]; }
+  const float* value(std::size_t vertex) const { return rest(vertex) + each_; }
+  float largest(std::size_t vertex) const { return largest_[vertex]; }
 
  private:
   std::size_t each_;
-  std::vector<float> values_;
+  std::vector<float> values_, largest_;
 };
+
+/// Weighted sum of squares that a vertex's triangle and weights leave.
+double squares_left(const Remainder& remainder, const ReferenceMesh& mesh, std::size_t vertex);
 
 /// Makes more vertices points until there are so many: again and again the triangle with the largest sum of squares
 /// left is split at its worst vertex, and its vertices keep their places in the parts (barycentrics of the split

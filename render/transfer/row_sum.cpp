@@ -119,7 +119,8 @@ void add_blend(const CornerBlend& blend, std::size_t begin, std::size_t count, c
       hn::LoadInterleaved4(d, sum + 4 * i, of[0], of[1], of[2], of[3]);
       for (std::size_t c = 0; c < 3; ++c) {
         float* to = colour[c] + first + i;
-        hn::StoreU(hn::Add(hn::LoadU(d, to), of[c]), d, to);
+        const RowV most = hn::Mul(hn::Set(d, blend.correction), hn::Abs(of[c]));
+        hn::StoreU(hn::Add(hn::Clamp(hn::LoadU(d, to), hn::Neg(most), most), of[c]), d, to);
       }
     }
   }

@@ -37,8 +37,9 @@ struct CornerBlend {
   const std::uint32_t* triangles;  ///< three points each
   const std::uint32_t* triangle_of;
   const short* weights;  ///< pairs
+  float correction;      ///< the most that the blend is corrected by, in shares of itself
 };
-/// colour[c][i] += the blend of vertex begin + i, i < count; both multiples of 16.
+/// colour[c][i], the correction of vertex begin + i, gets bounded and the blend added, i < count; both multiples of 16.
 void add_blend(const CornerBlend& blend, std::size_t begin, std::size_t count, const std::array<float*, 3>& colour);
 
 /// out[i] = factor * sum[i], or 0 where that is negative; returns how often it is.

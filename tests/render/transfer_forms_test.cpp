@@ -163,12 +163,18 @@ TEST_P(EveryTarget, CornersAreBlended) {
   triangle_of[16] = 0, weights[32] = 5000, weights[33] = 2500;
   triangle_of[18] = 2, weights[36] = -10000, weights[37] = 20000;
   std::vector<float> red(32, 1), green(32, 1), blue(32, 1);
-  add_blend({points.data(), triangles.data(), triangle_of.data(), weights.data()}, 16, 32,
+  add_blend({points.data(), triangles.data(), triangle_of.data(), weights.data(), 10}, 16, 32,
             {red.data(), green.data(), blue.data()});
   EXPECT_NEAR(red[0], 1 + 0.5 + 2.5 + 25, 1e-4);
   EXPECT_NEAR(blue[1], 8, 1e-5);
   EXPECT_NEAR(green[2], 1 - 200 + 4, 1e-4);
   EXPECT_NEAR(blue[31], 8, 1e-5);
+  std::vector<float> over(32, 100), under(32, -100), within(32, 0.5f);  // a correction of at most a tenth
+  add_blend({points.data(), triangles.data(), triangle_of.data(), weights.data(), 0.1f}, 16, 32,
+            {over.data(), under.data(), within.data()});
+  EXPECT_NEAR(over[31], 7.7, 1e-5);
+  EXPECT_NEAR(under[31], 6.3, 1e-5);
+  EXPECT_NEAR(within[31], 7.5, 1e-5);
 }
 
 TEST_P(EveryTarget, NoLightIsNegative) {
@@ -345,7 +351,7 @@ TEST_F(Forms, TheRemainderIsOrthogonalToTheHarmonics) {
     for (std::size_t i = 0; i < 9; ++i) {
       double coefficient = 0;
       for (std::size_t j = 0; j < 100; ++j)
-        coefficient += matrix[i * 100 + j] * static_cast<double>(rest.of(v)[3 * j + 1]);
+        coefficient += matrix[i * 100 + j] * static_cast<double>(rest.rest(v)[3 * j + 1]);
       EXPECT_NEAR(coefficient, 0, 1e-5);
     }
 }
@@ -353,15 +359,7 @@ TEST_F(Forms, TheRemainderIsOrthogonalToTheHarmonics) {
 TEST_F(Forms, PointsAreAddedWhereTheyHelp) {
   const auto squares = [](const ReferenceMesh& mesh, const Remainder& rest) {
     double sum = 0;
-    for (std::size_t v = 0; v < mesh.triangle_of.size(); ++v) {
-      const glm::uvec3 t = mesh.triangles[mesh.triangle_of[v]];
-      const glm::dvec3 w(mesh.weights[v], 1 - mesh.weights[v].x - mesh.weights[v].y);
-      for (std::size_t r = 0; r < fixture().table.rows(); ++r) {
-        double left = static_cast<double>(rest.of(v)[r]);
-        for (int k = 0; k < 3; ++k) left -= w[k] * static_cast<double>(rest.of(mesh.points[t[k]])[r]);
-        sum += left * left;
-      }
-    }
+    for (std::size_t v = 0; v < mesh.triangle_of.size(); ++v) sum += squares_left(rest, mesh, v);
     return sum;
   };
   const Remainder rest = remainder();
@@ -379,6 +377,22 @@ TEST_F(Forms, PointsAreAddedWhereTheyHelp) {
   for (std::size_t v = 0; v < mesh.weights.size(); ++v) {  // still places in a triangle
     const glm::dvec2 w = mesh.weights[v];
     EXPECT_GE(std::min({w.x, w.y, 1 - w.x - w.y}), -1e-9);
+  }
+  for (const std::size_t v : {std::size_t{3}, std::size_t{400}, std::size_t{900}}) {
+    const glm::uvec3 t = mesh.triangles[mesh.triangle_of[v]];
+    const glm::dvec3 w(mesh.weights[v], 1 - mesh.weights[v].x - mesh.weights[v].y);
+    double sum = 0;
+    for (std::size_t r = 0; r < fixture().table.rows(); ++r) {
+      const auto own = [&](std::uint32_t u) { return static_cast<double>(fixture().table.row(r)[u]); };
+      double unheld = static_cast<double>(rest.rest(v)[r]), value = own(static_cast<std::uint32_t>(v));
+      const double factor = 0.03 / (value / static_cast<double>(rest.largest(v)) + 0.02);
+      for (int k = 0; k < 3; ++k) {
+        unheld -= w[k] * static_cast<double>(rest.rest(mesh.points[t[k]])[r]);
+        value -= w[k] * own(mesh.points[t[k]]);
+      }
+      sum += unheld * unheld + factor * factor * value * value;
+    }
+    EXPECT_NEAR(squares_left(rest, mesh, v), sum, 1e-3 * sum + 1e-12);
   }
   for (std::size_t i = before; i < mesh.points.size(); ++i) {  // a new point is itself
     const std::uint32_t v = mesh.points[i];
@@ -399,6 +413,29 @@ TEST_F(Forms, PointsThatFollowTheTransferAreWorthMore) {
   EXPECT_EQ(by_transfer.references->points.size(), by_shape.references->points.size());
   EXPECT_LT(error(by_transfer), error(by_shape));
   EXPECT_LT(error(fitted), 0.8 * error(by_transfer));
+}
+
+// Nodes whose light a vertex sees least of: errors against the vertices' values there.
+TEST_F(Forms, BoundedCorrectionsSpareTheDark) {
+  EncodedTransfer t = references(150, 3, ReferenceWeights::least_squares, ReferenceSelection::transfer);
+  EXPECT_LE(t.references->correction, 1);
+  const auto dark_error = [&] {
+    double squares = 0, norm = 0;
+    Counters counters;
+    for (std::size_t j = 0; j < 100; j += 9) {
+      const VertexExitance b = t.exitance({{fixture().nodes.directions[j], 0, Rgb(1)}}, fixture().nodes, counters);
+      for (std::size_t v = 0; v < t.vertices(); ++v) {
+        const auto q = static_cast<double>(fixture().table.row(3 * j)[v]);
+        if (q > 0.05) continue;
+        squares += std::pow(static_cast<double>(b.channel[0][v]) - q, 2), norm += q * q;
+      }
+    }
+    return std::sqrt(squares / norm);
+  };
+  const double bounded = dark_error(), all = error(t);
+  t.references->correction = 1e6f;
+  EXPECT_LT(bounded, 0.9 * dark_error());
+  EXPECT_LT(all, 1.02 * error(t));
 }
 
 TEST_F(Forms, ReferencePointsKeepWhatTheyHold) {
