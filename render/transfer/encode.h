@@ -21,7 +21,7 @@ enum class ReferenceSelection {
 
 enum class ReferenceWeights {
   barycentric,   ///< of the nearest point of the triangle (the paper)
-  least_squares  ///< what leaves least to the harmonics, of weights that add up to 1 and lie in [-1, 2]
+  least_squares  ///< what leaves least to the harmonics, which are then held to a share of the blend (reference_fit.h)
 };
 
 struct ReferenceSettings {

@@ -114,7 +114,8 @@ EncodedTransfer encode_references(const TransferTable& table, const TransferNode
   TransferTable difference = table;
   subtract_blend(points, difference);
   EncodedTransfer out = encode_harmonics(difference, nodes, settings.order, settings.difference);
-  points.correction = least_bound(table, difference, out, nodes);
+  if (settings.weights == ReferenceWeights::least_squares)
+    points.correction = least_bound(table, difference, out, nodes);
   out.references = std::move(points);
   return out;
 }

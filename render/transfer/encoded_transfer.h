@@ -42,8 +42,8 @@ struct ReferencePoints {
   std::vector<short> weights;              ///< of its first and second corner, in units of 1 / CornerBlend::weight_unit
 
   /// The harmonics of the difference are held to this share of the blend: where little light comes they are more wrong
-  /// than the blend.
-  float correction = 1;
+  /// than the blend. (Large: not held, as published.)
+  float correction = 1e6f;
 
   double bytes_per_vertex() const;
 };
