@@ -139,7 +139,7 @@ TransferScene make_transfer_scene(const SharedScene& shared, const TransferSetti
   const auto file = s.file.empty() ? nullptr : std::make_unique<TransferFile>(s.file);
   for (std::size_t i = 0; i < shared.scene.objects.size(); ++i) {
     const Mesh& mesh = shared.scene.objects[i].mesh;
-    TransferNodes nodes = transfer_nodes(mesh, s.directions, s.distances);
+    TransferNodes nodes = transfer_nodes(mesh, s.directions, s.distances, s.interpolation);
     TransferVertices vertices(mesh, s.parts);
     TransferTable table = make_object_table(shared, s, i, nodes, vertices, result.counters, file.get());
     EncodedTransfer transfer = encode(std::move(table), nodes, vertices, s);

@@ -14,6 +14,7 @@ struct TransferSettings {
   std::string profile;
   TransferForm form = TransferForm::floats;
   int directions = 200, distances = 6, parts = 1;
+  DirectionInterpolation interpolation = DirectionInterpolation::four;
   bool discs = false, any_light = false, fixed_view = false;
   double max_relative_error = 3e-3;
   int order = 0;               ///< 0: 7 for harmonics, 3 for reference points

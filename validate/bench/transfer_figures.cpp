@@ -62,13 +62,16 @@ class Bench {
         shared_(scene_, {scene.objects[0].mesh.triangles.size(), {}}, false) {}
 
   /// The table of those of `directions` that the lights need, or of all.
-  TransferTable table(int directions, TransferForm form, bool all, Counters& counters) {
+  TransferTable table(int directions, TransferForm form, bool all, Counters& counters,
+                      DirectionInterpolation interpolation = DirectionInterpolation::four) {
     TransferSettings s = settings_for(directions, form);
     s.any_light = all;
     TransferVertices v = vertices();
-    return make_object_table(shared_, s, 0, nodes(directions), v, counters);
+    return make_object_table(shared_, s, 0, nodes(directions, interpolation), v, counters);
   }
-  TransferNodes nodes(int directions) const { return transfer_nodes(mesh(), directions, 1); }
+  TransferNodes nodes(int directions, DirectionInterpolation interpolation = DirectionInterpolation::four) const {
+    return transfer_nodes(mesh(), directions, 1, interpolation);
+  }
   const TransferVertices& vertices() {
     if (!vertices_) vertices_ = std::make_unique<TransferVertices>(mesh(), 1);
     return *vertices_;
@@ -129,9 +132,14 @@ void print_directions(Bench& bench) {
                    bench.nodes(fine_directions));
   const std::pair<int, double> counts[] = {{50, 0}, {100, 0}, {200, 3e-3}, {400, 0}, {800, 0}};
   for (const auto& [count, paper] : counts) {
-    const EncodedTransfer q = encode_rows(bench.table(count, TransferForm::floats, false, counters), RowStorage::f32);
+    // The twelve nearest directions to a light include the four.
+    constexpr DirectionInterpolation twelve = DirectionInterpolation::twelve;
+    const EncodedTransfer q =
+        encode_rows(bench.table(count, TransferForm::floats, false, counters, twelve), RowStorage::f32);
     const Bench::Images of_q = bench.images(q, bench.nodes(count));
     row(fmt::format("{} directions, q", count), bench.rms(of_q, exact), paper, "");
+    row(fmt::format("{} directions, q, interpolated from twelve", count),
+        bench.rms(bench.images(q, bench.nodes(count, twelve)), exact), paper, "");
     if (count != 200) continue;
     const EncodedTransfer v = encode_rows(bench.table(count, TransferForm::vectors, false, counters), RowStorage::f32);
     const Bench::Images of_v = bench.images(v, bench.nodes(count));
