@@ -10,7 +10,7 @@ namespace {
 class PreparedTransfer : public PreparedTechnique {
  public:
   PreparedTransfer(const SharedScene& shared, const TransferSettings& settings)
-      : shared_(shared), transfer_(make_transfer_scene(shared, settings)) {}
+      : shared_(shared), transfer_(make_transfer_scene(shared, settings)), exitance_(transfer_.objects.size()) {}
 
   Frame render(const GBuffer& view) const override {
     Frame frame;
@@ -18,7 +18,8 @@ class PreparedTransfer : public PreparedTechnique {
     frame.counters += transfer_.counters;
     for (std::size_t i = 0; i < transfer_.objects.size(); ++i) {
       const TransferObject& object = transfer_.objects[i];
-      const VertexExitance b = object.transfer.exitance(transfer_.lights(shared_, i), object.nodes, frame.counters);
+      VertexExitance& b = exitance_[i];
+      object.transfer.exitance(transfer_.lights(shared_, i), object.nodes, b, frame.counters);
       const PointPlaces points = places_of_object(shared_, transfer_, view, i);
       for (std::size_t k = 0; k < points.indices.size(); ++k)
         frame.exitance[points.indices[k]] = interpolated(points.places[k], [&](std::uint32_t v) {
@@ -31,6 +32,7 @@ class PreparedTransfer : public PreparedTechnique {
  private:
   const SharedScene& shared_;
   TransferScene transfer_;
+  mutable std::vector<VertexExitance> exitance_;  ///< of the last frame, whose memory the next one takes
 };
 
 std::unique_ptr<PreparedTechnique> prepare(const SharedScene& shared, const Settings& settings) {

@@ -158,6 +158,7 @@ class GlTransfer {
     blend.set("vertices", static_cast<int>(transfer_.vertices()));
     blend.set("blended", full ? 1 : 0);
     blend.set("weight_unit", CornerBlend::weight_unit);
+    blend.set("correction", full ? transfer_.references->correction : 0.0f);
     if (full) triangles_->bind_storage(0), places_->bind_storage(1), full->bind_storage(2);
     out->bind_storage(4);
     const glm::uvec2 groups = groups_of(transfer_.vertices());

@@ -2,6 +2,7 @@
 
 #include "model/check.h"
 #include "model/conventions.h"
+#include "render/transfer/cholesky.h"
 
 #include <algorithm>
 #include <cmath>
@@ -32,7 +33,7 @@ glm::dvec3 any_tangent(const glm::dvec3& w) {
 
 }  // namespace
 
-DirectionSet::DirectionSet(int count) {
+DirectionSet::DirectionSet(int count, DirectionInterpolation interpolation) : interpolation_(interpolation) {
   OPALINE_CHECK(count >= fewest);
   const double golden_angle = pi * (3 - std::sqrt(5.0));
   for (int i = 0; i < count; ++i) {
@@ -42,21 +43,27 @@ DirectionSet::DirectionSet(int count) {
   }
 }
 
-std::array<std::uint32_t, 4> DirectionSet::nearest(const glm::dvec3& w) const {
-  std::array<std::uint32_t, 4> best{};
-  Four cosine{-2, -2, -2, -2};
+template <std::size_t Count>
+std::array<std::uint32_t, Count> DirectionSet::nearest(const glm::dvec3& w) const {
+  std::array<std::uint32_t, Count> best{};
+  std::array<double, Count> cosine;
+  cosine.fill(-2);
   for (std::uint32_t i = 0; i < directions_.size(); ++i) {
     const double c = glm::dot(directions_[i], w);
-    if (c <= cosine[3]) continue;
-    std::size_t k = 3;
+    if (c <= cosine[Count - 1]) continue;
+    std::size_t k = Count - 1;
     for (; k > 0 && cosine[k - 1] < c; --k) cosine[k] = cosine[k - 1], best[k] = best[k - 1];
     cosine[k] = c, best[k] = i;
   }
   return best;
 }
 
-std::array<DirectionWeight, 4> DirectionSet::around(const glm::dvec3& w) const {
-  const std::array<std::uint32_t, 4> found = nearest(w);
+std::vector<DirectionWeight> DirectionSet::around(const glm::dvec3& w) const {
+  return interpolation_ == DirectionInterpolation::four ? linear(w) : quadratic(w);
+}
+
+std::vector<DirectionWeight> DirectionSet::linear(const glm::dvec3& w) const {
+  const std::array<std::uint32_t, 4> found = nearest<4>(w);
   const glm::dvec3 s = any_tangent(w), t = glm::cross(w, s);
   std::array<glm::dvec2, 4> p;
   Four closeness, weights;
@@ -70,8 +77,35 @@ std::array<DirectionWeight, 4> DirectionSet::around(const glm::dvec3& w) const {
     const double sum = closeness[0] + closeness[1] + closeness[2] + closeness[3];
     for (std::size_t k = 0; k < 4; ++k) weights[k] = closeness[k] / sum;
   }
-  std::array<DirectionWeight, 4> result;
-  for (std::size_t k = 0; k < 4; ++k) result[k] = {found[k], weights[k]};
+  std::vector<DirectionWeight> result;
+  for (std::size_t k = 0; k < 4; ++k) result.push_back({found[k], weights[k]});
+  return result;
+}
+
+std::vector<DirectionWeight> DirectionSet::quadratic(const glm::dvec3& w) const {
+  const std::array<std::uint32_t, 12> found = nearest<12>(w);
+  const glm::dvec3 s = any_tangent(w), t = glm::cross(w, s);
+  const auto angle = [&](std::uint32_t i) { return std::acos(std::clamp(glm::dot(directions_[i], w), -1.0, 1.0)); };
+  const double furthest = angle(found.back());
+  std::array<std::array<double, 6>, 12> terms;
+  std::array<double, 12> closeness;
+  std::vector<double> normal(36, 0.0), value = {1, 0, 0, 0, 0, 0};
+  for (std::size_t k = 0; k < 12; ++k) {
+    const glm::dvec2 along(glm::dot(directions_[found[k]], s), glm::dot(directions_[found[k]], t));
+    const double place = angle(found[k]) / furthest, sine = glm::length(along);
+    const glm::dvec2 p = sine > 0 ? along * (place / sine) : along;
+    terms[k] = {1, p.x, p.y, p.x * p.x, p.x * p.y, p.y * p.y};
+    closeness[k] = std::pow(1 - place * place, 2) / (place * place + 1e-9);
+    for (std::size_t i = 0; i < 6; ++i)
+      for (std::size_t j = 0; j < 6; ++j) normal[6 * i + j] += closeness[k] * terms[k][i] * terms[k][j];
+  }
+  if (!solve_cholesky(normal, value, 6, 1)) return linear(w);
+  std::vector<DirectionWeight> result;
+  for (std::size_t k = 0; k < 12; ++k) {
+    double weight = 0;
+    for (std::size_t i = 0; i < 6; ++i) weight += closeness[k] * terms[k][i] * value[i];
+    result.push_back({found[k], weight});
+  }
   return result;
 }
 

@@ -14,13 +14,19 @@ EncodedTransfer encode_rows(TransferTable table, RowStorage storage);
 EncodedTransfer encode_harmonics(const TransferTable& table, const TransferNodes& nodes, int order,
                                  RowStorage storage = RowStorage::i16);
 
+enum class ReferenceSelection {
+  shape,    ///< simplification of the mesh (the paper)
+  transfer  ///< three in five so, the others where most is left that the harmonics cannot hold
+};
+
 enum class ReferenceWeights {
   barycentric,   ///< of the nearest point of the triangle (the paper)
-  least_squares  ///< what leaves least to the harmonics, of weights that add up to 1 and lie in [-1, 2]
+  least_squares  ///< what leaves least to the harmonics, which are then held to a share of the blend (reference_fit.h)
 };
 
 struct ReferenceSettings {
   std::size_t points = 1000;  ///< wished for; what comes out may be more where the mesh can't be simplified so far
+  ReferenceSelection selection = ReferenceSelection::shape;
   ReferenceWeights weights = ReferenceWeights::barycentric;
   int order = 3;
   RowStorage full = RowStorage::code8;     ///< of the reference points

@@ -1,10 +1,10 @@
 #include "render/transfer/encode.h"
-#include "render/transfer/harmonic_fit.h"
-#include "render/transfer/reference_mesh.h"
+#include "render/transfer/reference_fit.h"
 
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace opaline {
@@ -20,43 +20,19 @@ TransferTable columns_of(const TransferTable& table, const std::vector<std::uint
   return out;
 }
 
-/// Least squares, two unknowns: weights of the first two of three columns, the third having the rest of 1.
-glm::dvec2 best_weights(const float* own, const float* const corners[3], std::size_t rows, const glm::dvec2& before) {
-  double aa = 0, ab = 0, bb = 0, ay = 0, by = 0;
-  for (std::size_t r = 0; r < rows; ++r) {
-    const auto third = static_cast<double>(corners[2][r]);
-    const double a = static_cast<double>(corners[0][r]) - third, b = static_cast<double>(corners[1][r]) - third,
-                 y = static_cast<double>(own[r]) - third;
-    aa += a * a, ab += a * b, bb += b * b, ay += a * y, by += b * y;
-  }
-  // A little pull towards what place says, where corners are alike.
-  const double pull = 1e-4 * (aa + bb) + 1e-30;
-  aa += pull, bb += pull, ay += pull * before.x, by += pull * before.y;
-  const double determinant = aa * bb - ab * ab;
-  if (!(determinant > 0)) return before;
-  const glm::dvec2 w((ay * bb - by * ab) / determinant, (by * aa - ay * ab) / determinant);
-  return glm::clamp(w, glm::dvec2(-1), glm::dvec2(2));
-}
-
-/// Weights that leave least of what the harmonics cannot hold.
-void improve_weights(const TransferTable& table, const HarmonicFit& fit, ReferenceMesh& mesh) {
-  TransferTable rest = table;
-  fit.subtract(fit.coefficients(table), rest);
-  const std::size_t rows = rest.rows(), points = mesh.points.size();
-  std::vector<float> of_points(points * rows);
-  for (std::size_t r = 0; r < rows; ++r)
-    for (std::size_t i = 0; i < points; ++i) of_points[i * rows + r] = rest.row(r)[mesh.points[i]];
-  constexpr std::size_t block = TransferTable::lanes;  // a line of the cache of every row
-  tbb::parallel_for(std::size_t{0}, rest.stride() / block, [&](std::size_t b) {
-    std::vector<float> own(block * rows);
-    for (std::size_t r = 0; r < rows; ++r)
-      for (std::size_t i = 0; i < block; ++i) own[i * rows + r] = rest.row(r)[b * block + i];
-    for (std::size_t v = b * block; v < std::min((b + 1) * block, rest.vertices); ++v) {
-      const glm::uvec3 t = mesh.triangles[mesh.triangle_of[v]];
-      const float* corners[3] = {&of_points[t.x * rows], &of_points[t.y * rows], &of_points[t.z * rows]};
-      mesh.weights[v] = best_weights(&own[(v % block) * rows], corners, rows, mesh.weights[v]);
-    }
-  });
+ReferenceMesh choose_mesh(const TransferTable& table, const TransferNodes& nodes, const TransferVertices& vertices,
+                          const ReferenceSettings& settings) {
+  const bool by_transfer = settings.selection == ReferenceSelection::transfer,
+             fitted = settings.weights == ReferenceWeights::least_squares;
+  constexpr double by_shape = 0.6;  // of the points: fewer leave whole sides of a shape to a few, more are wasted
+  ReferenceMesh mesh = make_reference_mesh(
+      vertices,
+      by_transfer ? static_cast<std::size_t>(by_shape * static_cast<double>(settings.points)) : settings.points);
+  if (!by_transfer && !fitted) return mesh;
+  const Remainder remainder(table, HarmonicFit(table, nodes, settings.order));
+  if (by_transfer) add_points(remainder, settings.points, mesh);
+  if (fitted) fit_weights(remainder, mesh);
+  return mesh;
 }
 
 ReferencePoints make_points(const TransferTable& table, ReferenceMesh mesh, RowStorage storage) {
@@ -91,17 +67,55 @@ void subtract_blend(const ReferencePoints& points, TransferTable& table) {
   });
 }
 
+/// What an encoded table's rows alone give under the light of a node, for one distinct profile.
+std::vector<float> corrections(const EncodedTransfer& t, const TransferNodes& nodes, std::uint32_t node, int table) {
+  const auto c = static_cast<std::size_t>(std::find(t.table_of, t.table_of + 3, table) - t.table_of);
+  const RowWeights weights = t.weights({{nodes.direction(node), nodes.u(node), Rgb(1)}}, nodes);
+  std::vector<RowTerm> terms;
+  for (const RowWeight& w : weights[c]) terms.push_back(t.rows.term(w.row, w.weight));
+  std::vector<float> values(t.rows.stride(), 0.0f);
+  add_rows(t.rows.storage(), terms, 0, values.size(), values.data());
+  return values;
+}
+
+/// The least bound of the corrections that costs nothing: with it the sum of squared errors over lights and vertices is
+/// no more than without. (Where it is less than that, too, what is dark alone gains.)
+float least_bound(const TransferTable& table, const TransferTable& difference, const EncodedTransfer& encoded,
+                  const TransferNodes& nodes) {
+  constexpr std::array<float, 7> bounds = {0.05f, 0.1f, 0.2f, 0.3f, 0.5f, 1, 1e6f};
+  constexpr std::size_t every = 7;  // so many lights are enough
+  const auto tables = static_cast<std::size_t>(table.tables);
+  std::vector<std::array<double, bounds.size()>> errors((table.keys.size() + every - 1) / every * tables);
+  tbb::parallel_for(std::size_t{0}, errors.size(), [&](std::size_t i) {
+    const std::size_t key = i / tables * every, row = key * tables + i % tables;
+    const std::vector<float> given = corrections(encoded, nodes, table.keys[key], static_cast<int>(i % tables));
+    errors[i] = {};
+    for (std::size_t v = 0; v < table.vertices; ++v) {
+      const float wanted = difference.row(row)[v], blend = std::abs(table.row(row)[v] - wanted);
+      for (std::size_t k = 0; k < bounds.size(); ++k) {
+        const float most = bounds[k] * blend, error = std::clamp(given[v], -most, most) - wanted;
+        errors[i][k] += static_cast<double>(error * error);
+      }
+    }
+  });
+  std::array<double, bounds.size()> sum{};
+  for (const auto& e : errors)
+    for (std::size_t k = 0; k < bounds.size(); ++k) sum[k] += e[k];
+  std::size_t best = 0;
+  while (sum[best] > sum.back()) ++best;
+  return bounds[best];
+}
+
 }  // namespace
 
 EncodedTransfer encode_references(const TransferTable& table, const TransferNodes& nodes,
                                   const TransferVertices& vertices, const ReferenceSettings& settings) {
-  ReferenceMesh mesh = make_reference_mesh(vertices, settings.points);
-  if (settings.weights == ReferenceWeights::least_squares)
-    improve_weights(table, HarmonicFit(table, nodes, settings.order), mesh);
-  ReferencePoints points = make_points(table, std::move(mesh), settings.full);
+  ReferencePoints points = make_points(table, choose_mesh(table, nodes, vertices, settings), settings.full);
   TransferTable difference = table;
   subtract_blend(points, difference);
   EncodedTransfer out = encode_harmonics(difference, nodes, settings.order, settings.difference);
+  if (settings.weights == ReferenceWeights::least_squares)
+    points.correction = least_bound(table, difference, out, nodes);
   out.references = std::move(points);
   return out;
 }

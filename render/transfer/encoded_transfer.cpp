@@ -30,14 +30,12 @@ std::vector<KeyWeight> harmonic_weights(const std::vector<TransferLight>& lights
   return weights;
 }
 
-/// The corners' own B, triangle by triangle, four floats a corner.
-std::vector<float> corner_values(const ReferencePoints& references, const VertexExitance& full) {
-  std::vector<float> corners(12 * references.triangles.size(), 0.0f);
-  for (std::size_t t = 0; t < references.triangles.size(); ++t)
-    for (std::size_t k = 0; k < 3; ++k)
-      for (std::size_t c = 0; c < 3; ++c)
-        corners[12 * t + 4 * k + c] = full.channel[c][references.triangles[t][static_cast<int>(k)]];
-  return corners;
+/// The reference points' own B, four floats a point.
+std::vector<float> point_values(const VertexExitance& full, std::size_t count) {
+  std::vector<float> values(4 * count, 0.0f);
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t c = 0; c < 3; ++c) values[4 * i + c] = full.channel[c][i];
+  return values;
 }
 
 /// One frame: all blocks of vertices.
@@ -49,42 +47,32 @@ struct Frame {
   std::optional<CornerBlend> blend{};
   std::atomic<std::uint64_t> done = 0, dark = 0, negative = 0;
 
-  void work(std::size_t b) {
-    const CodedRows& rows = transfer.rows;
-    const std::size_t begin = b * CodedRows::block, end = std::min(begin + CodedRows::block, rows.stride());
-    std::uint64_t used = 0, skipped = 0;
+  /// The terms of a channel that are not dark in a block.
+  std::vector<RowTerm> lit_terms(std::size_t c, std::size_t b) const {
     std::vector<RowTerm> terms;
-    for (int c = 0; c < 3; ++c) {
-      if (equal[static_cast<std::size_t>(c)].channel != c) continue;
-      terms.clear();
-      for (const RowWeight& w : weights[static_cast<std::size_t>(c)]) {
-        if (rows.lit(w.row, b))
-          terms.push_back(rows.term(w.row, w.weight));
-        else
-          ++skipped;
-      }
-      used += terms.size();
-      add_rows(rows.storage(), terms, begin, end, out.channel[static_cast<std::size_t>(c)].data());
-    }
-    if (blend) add_blend(*blend, begin, end, out.channel[0].data(), out.channel[1].data(), out.channel[2].data());
-    finish(begin, end);
-    done += used * (end - begin), dark += skipped * (end - begin);
+    if (equal[c].channel != static_cast<int>(c)) return terms;
+    for (const RowWeight& w : weights[c])
+      if (transfer.rows.lit(w.row, b)) terms.push_back(transfer.rows.term(w.row, w.weight));
+    return terms;
   }
 
-  /// Channels that are another's times a factor, and no negative light.
-  void finish(std::size_t begin, std::size_t end) {
-    std::uint64_t below = 0;
-    for (int c = 0; c < 3; ++c) {
-      float* to = out.channel[static_cast<std::size_t>(c)].data();
-      const EqualChannel& e = equal[static_cast<std::size_t>(c)];
-      const float* from = out.channel[static_cast<std::size_t>(e.channel)].data();
-      for (std::size_t i = begin; i < end; ++i) {
-        const float value = e.channel == c ? to[i] : e.factor * from[i];
-        below += value < 0;
-        to[i] = std::max(value, 0.0f);
-      }
+  void work(std::size_t b) {
+    const CodedRows& rows = transfer.rows;
+    const std::size_t begin = b * CodedRows::block, count = std::min(CodedRows::block, rows.stride() - begin);
+    alignas(64) float sum[3][CodedRows::block] = {};
+    std::array<std::vector<RowTerm>, 4> terms;
+    std::uint64_t used = 0, all = 0;
+    for (std::size_t c = 0; c < 3; ++c) {
+      terms[c] = lit_terms(c, b);
+      used += terms[c].size();
+      if (equal[c].channel == static_cast<int>(c)) all += weights[c].size();
     }
-    negative += below;
+    for (std::size_t c = 0; c < 3; ++c) add_rows(rows.storage(), terms[c], begin, count, sum[c], terms[c + 1]);
+    if (blend) add_blend(*blend, begin, count, {sum[0], sum[1], sum[2]});
+    std::uint64_t below = 0;
+    for (std::size_t c = 0; c < 3; ++c)
+      below += store_exitance(sum[equal[c].channel], equal[c].factor, count, out.channel[c].get() + begin);
+    negative += below, done += used * count, dark += (all - used) * count;
   }
 };
 
@@ -136,24 +124,32 @@ EqualChannel equal_channel(const EncodedTransfer& transfer, const RowWeights& we
 
 VertexExitance EncodedTransfer::exitance(const std::vector<TransferLight>& lights, const TransferNodes& nodes,
                                          Counters& counters) const {
-  VertexExitance out{rows.stride(), {}};
-  for (auto& channel : out.channel) channel.assign(rows.stride(), 0.0f);
+  VertexExitance out;
+  exitance(lights, nodes, out, counters);
+  return out;
+}
+
+void EncodedTransfer::exitance(const std::vector<TransferLight>& lights, const TransferNodes& nodes,
+                               VertexExitance& out, Counters& counters) const {
+  if (out.stride != rows.stride())
+    for (auto& channel : out.channel) channel = std::make_unique_for_overwrite<float[]>(rows.stride());
+  out.stride = rows.stride();
   const RowWeights row_weights = weights(lights, nodes);
   Frame frame{*this, row_weights, out};
   for (int c = 0; c < 3; ++c) frame.equal[static_cast<std::size_t>(c)] = equal_channel(*this, row_weights, c);
-  std::vector<float> corners;
+  std::vector<float> points;
   if (references) {
-    corners = corner_values(*references, references->full->exitance(lights, nodes, counters));
-    frame.blend = CornerBlend{corners.data(), references->triangle_of.data(), references->weights.data()};
+    points = point_values(references->full->exitance(lights, nodes, counters), references->points.size());
+    frame.blend = CornerBlend{points.data(), &references->triangles[0].x, references->triangle_of.data(),
+                              references->weights.data(), references->correction};
   }
-  if (!lights.empty()) tbb::parallel_for(std::size_t{0}, rows.blocks(), [&](std::size_t b) { frame.work(b); });
+  tbb::parallel_for(std::size_t{0}, rows.blocks(), [&](std::size_t b) { frame.work(b); });
   for (int c = 0; c < 3; ++c)
     ++(frame.equal[static_cast<std::size_t>(c)].channel == c ? counters.done["channels"]
                                                              : counters.skipped["equal_channels"]);
   counters.done["negative_values_set_to_0"] += frame.negative;
   counters.done["vertex_rows"] += frame.done;
   counters.skipped["unlit_vertex_rows"] += frame.dark;
-  return out;
 }
 
 }  // namespace opaline

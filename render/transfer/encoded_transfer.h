@@ -2,7 +2,8 @@
 //
 //   B_c(v) = sum over rows of weight_c(row) * row(v)  +  blend of the reference points' own B
 //
-// Lights come in only through the weights, of which there are as many for a hundred lights as for one.
+// where the sum is held to a share of the blend, if there is one. Lights come in only through the weights, of which
+// there are as many for a hundred lights as for one.
 //
 //   basis      rows                                         weights
 //   nodes      q at each node of light                      interpolation, transfer_lights.h
@@ -40,13 +41,17 @@ struct ReferencePoints {
   std::vector<std::uint32_t> triangle_of;  ///< of each vertex, padded as its rows are
   std::vector<short> weights;              ///< of its first and second corner, in units of 1 / CornerBlend::weight_unit
 
+  /// The harmonics of the difference are held to this share of the blend: where little light comes they are more wrong
+  /// than the blend. (Large: not held, as published.)
+  float correction = 1e6f;
+
   double bytes_per_vertex() const;
 };
 
 /// Linear B of all vertices, a row for each channel, padded as the rows of the table.
 struct VertexExitance {
   std::size_t stride = 0;
-  std::array<std::vector<float>, 3> channel;
+  std::array<std::unique_ptr<float[]>, 3> channel;
 };
 
 class EncodedTransfer {
@@ -66,6 +71,9 @@ class EncodedTransfer {
   /// B of all vertices under the lights, not below 0. Counts rows done and skipped, in vertices.
   VertexExitance exitance(const std::vector<TransferLight>& lights, const TransferNodes& nodes,
                           Counters& counters) const;
+  /// The same in the place of an earlier frame's: new memory would cost as much as a large table's rows.
+  void exitance(const std::vector<TransferLight>& lights, const TransferNodes& nodes, VertexExitance& out,
+                Counters& counters) const;
 
  private:
   std::vector<KeyWeight> key_weights(const std::vector<TransferLight>& lights, const TransferNodes& nodes) const;

@@ -50,7 +50,7 @@ std::vector<float> HarmonicFit::coefficients(const TransferTable& table) const {
         const double* row = &projection_[k % coefficients_ * per_level_];
         for (std::size_t j = 0; j < per_level_; ++j)
           terms[j] = {table.row((first + j) * tables + t), static_cast<float>(row[j])};
-        add_rows(RowStorage::f32, terms, begin, end, &values[(k * tables + t) * table.stride()]);
+        add_rows(RowStorage::f32, terms, begin, end - begin, &values[(k * tables + t) * table.stride() + begin]);
       }
   });
   return values;
@@ -66,7 +66,7 @@ void HarmonicFit::subtract(const std::vector<float>& coefficients, TransferTable
         const double* y = &basis_[k % per_level_ * coefficients_];
         for (std::size_t i = 0; i < coefficients_; ++i)
           terms[i] = {&coefficients[((first + i) * tables + t) * table.stride()], static_cast<float>(-y[i])};
-        add_rows(RowStorage::f32, terms, begin, end, table.row(k * tables + t));
+        add_rows(RowStorage::f32, terms, begin, end - begin, table.row(k * tables + t) + begin);
       }
   });
 }

@@ -2,36 +2,11 @@
 
 #include "model/check.h"
 #include "model/conventions.h"
+#include "render/transfer/cholesky.h"
 
 #include <cmath>
 
 namespace opaline {
-namespace {
-
-/// Solves A X = B in place for a symmetric positive definite A (n x n) and B (n x m), both by rows: X replaces B.
-bool solve_cholesky(std::vector<double>& a, std::vector<double>& b, std::size_t n, std::size_t m) {
-  for (std::size_t j = 0; j < n; ++j) {
-    for (std::size_t k = 0; k < j; ++k)
-      for (std::size_t i = j; i < n; ++i) a[i * n + j] -= a[i * n + k] * a[j * n + k];
-    if (!(a[j * n + j] > 1e-9)) return false;
-    const double root = std::sqrt(a[j * n + j]);
-    for (std::size_t i = j; i < n; ++i) a[i * n + j] /= root;
-  }
-  for (std::size_t c = 0; c < m; ++c) {
-    for (std::size_t i = 0; i < n; ++i) {
-      for (std::size_t k = 0; k < i; ++k) b[i * m + c] -= a[i * n + k] * b[k * m + c];
-      b[i * m + c] /= a[i * n + i];
-    }
-    for (std::size_t i = n; i-- > 0;) {
-      for (std::size_t k = i + 1; k < n; ++k) b[i * m + c] -= a[k * n + i] * b[k * m + c];
-      b[i * m + c] /= a[i * n + i];
-    }
-  }
-  return true;
-}
-
-}  // namespace
-
 std::vector<double> harmonics(int order, const glm::dvec3& w) {
   OPALINE_CHECK(order >= 1 && order <= highest_order);
   std::vector<double> y(static_cast<std::size_t>(order * order));

@@ -86,11 +86,11 @@ std::pair<int, double> TransferNodes::level_of(double u) const {
   return {level, place - level};
 }
 
-TransferNodes transfer_nodes(const Mesh& mesh, int directions, int levels) {
+TransferNodes transfer_nodes(const Mesh& mesh, int directions, int levels, DirectionInterpolation interpolation) {
   glm::vec3 lo(mesh.positions.front()), hi(lo);
   for (const glm::vec3& p : mesh.positions) lo = glm::min(lo, p), hi = glm::max(hi, p);
-  return {0.5 * glm::dvec3(lo + hi), 0.5 * glm::length(glm::dvec3(hi) - glm::dvec3(lo)), DirectionSet(directions),
-          levels};
+  return {0.5 * glm::dvec3(lo + hi), 0.5 * glm::length(glm::dvec3(hi) - glm::dvec3(lo)),
+          DirectionSet(directions, interpolation), levels};
 }
 
 std::vector<TransferLight> transfer_lights(const Scene& scene, const TransferNodes& nodes, int area_samples) {

@@ -47,7 +47,8 @@ struct TransferNodes {
 };
 
 /// The ball around a mesh's bounding box.
-TransferNodes transfer_nodes(const Mesh& mesh, int directions, int levels);
+TransferNodes transfer_nodes(const Mesh& mesh, int directions, int levels,
+                             DirectionInterpolation interpolation = DirectionInterpolation::four);
 
 /// Every light as single directions: a disk by `area_samples`, an environment by parts of at most 2.8 degrees.
 std::vector<TransferLight> transfer_lights(const Scene& scene, const TransferNodes& nodes, int area_samples);

@@ -79,14 +79,18 @@ EncodedTransfer encode(TransferTable table, const TransferNodes& nodes, const Tr
   if (s.form == TransferForm::harmonics) return encode_harmonics(table, nodes, s.order);
   if (s.form == TransferForm::references)
     return encode_references(table, nodes, vertices,
-                             {.points = s.references ? s.references : table.vertices / 29 + 1,
+                             {.points = s.references ? s.references : default_references(table.vertices),
+                              .selection = s.reference_selection,
                               .weights = s.reference_weights,
-                              .order = s.order,
-                              .difference = RowStorage::code8});
+                              .order = s.order});
   return encode_rows(std::move(table), s.form == TransferForm::lloyd ? RowStorage::code8 : RowStorage::f32);
 }
 
 }  // namespace
+
+std::size_t default_references(std::size_t vertices) {
+  return static_cast<std::size_t>(std::lround(1.53 * std::pow(static_cast<double>(vertices), 0.68)));
+}
 
 TransferTable make_object_table(const SharedScene& shared, const TransferSettings& s, std::size_t i,
                                 const TransferNodes& nodes, TransferVertices& vertices, Counters& counters,
@@ -135,7 +139,7 @@ TransferScene make_transfer_scene(const SharedScene& shared, const TransferSetti
   const auto file = s.file.empty() ? nullptr : std::make_unique<TransferFile>(s.file);
   for (std::size_t i = 0; i < shared.scene.objects.size(); ++i) {
     const Mesh& mesh = shared.scene.objects[i].mesh;
-    TransferNodes nodes = transfer_nodes(mesh, s.directions, s.distances);
+    TransferNodes nodes = transfer_nodes(mesh, s.directions, s.distances, s.interpolation);
     TransferVertices vertices(mesh, s.parts);
     TransferTable table = make_object_table(shared, s, i, nodes, vertices, result.counters, file.get());
     EncodedTransfer transfer = encode(std::move(table), nodes, vertices, s);

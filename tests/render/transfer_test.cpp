@@ -70,6 +70,49 @@ TEST(DirectionSet, ItsErrorIsOfTheSecondOrder) {
   EXPECT_LT(ratio, 5);
 }
 
+TEST(DirectionSet, TwelveDirectionsReproduceQuadratics) {
+  std::mt19937 random(3);
+  const DirectionSet set(200, DirectionInterpolation::twelve);
+  for (std::size_t i = 0; i < set.size(); i += 7) {
+    const auto w = set.around(set[i]);
+    EXPECT_EQ(w[0].direction, i);
+    EXPECT_NEAR(w[0].weight, 1, 1e-6);
+  }
+  for (int i = 0; i < 500; ++i) {
+    const glm::dvec3 w = test::random_direction(random);
+    const glm::dvec3 s = glm::normalize(glm::cross(w, glm::dvec3(0.3, 0.5, 0.8))), t = glm::cross(w, s);
+    double sums[6] = {};
+    for (const DirectionWeight& d : set.around(w)) {
+      const glm::dvec3 v = set[d.direction];
+      const double angle = std::acos(glm::dot(v, w)), phi = std::atan2(glm::dot(v, t), glm::dot(v, s));
+      const double x = angle * std::cos(phi), y = angle * std::sin(phi);
+      const double terms[6] = {1, x, y, x * x, x * y, y * y};
+      for (int k = 0; k < 6; ++k) sums[k] += d.weight * terms[k];
+      EXPECT_LT(std::abs(d.weight), 1.5);
+    }
+    for (int k = 0; k < 6; ++k) EXPECT_NEAR(sums[k], k == 0, 1e-9);
+  }
+}
+
+TEST(DirectionSet, TwelveAreBetterThanFourWhereAFunctionIsSmooth) {
+  const auto f = [](const glm::dvec3& d) { return std::exp(d.x) + d.y * d.z; };
+  const auto error = [&](int count, DirectionInterpolation interpolation) {
+    std::mt19937 random(2);
+    const DirectionSet set(count, interpolation);
+    double squares = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const glm::dvec3 w = test::random_direction(random);
+      double sum = -f(w);
+      for (const DirectionWeight& d : set.around(w)) sum += d.weight * f(set[d.direction]);
+      squares += sum * sum / 2000;
+    }
+    return std::sqrt(squares);
+  };
+  EXPECT_LT(error(200, DirectionInterpolation::twelve), 0.2 * error(200, DirectionInterpolation::four));
+  const double ratio = error(200, DirectionInterpolation::twelve) / error(800, DirectionInterpolation::twelve);
+  EXPECT_GT(ratio, 6.5);  // third order: 8
+}
+
 // --- vertices ---------------------------------------------------------------------------------------
 
 TEST(TransferVertices, AreasAddUpToTheSurface) {

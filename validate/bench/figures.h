@@ -78,5 +78,7 @@ void print_layered_figures(const SceneChoice& choice);
 void print_subsurface_figures(const SceneChoice& choice);
 /// Of precomputed_transfer, on a teapot or the choice's mesh, of marble.
 void print_transfer_figures(const SceneChoice& choice);
+/// Of its relit frames, on tables of any contents, beside what the machine's memory allows.
+std::vector<Figure> transfer_time_figures(int runs);
 
 }  // namespace opaline::bench

@@ -1,5 +1,4 @@
-// Precomputed transfer: the paper's curves with the paper's figures beside ours, time of the precomputation and of a
-// relit frame.
+// Precomputed transfer: the paper's curves with the paper's figures beside ours, and time of the precomputation.
 //
 // Errors are as the paper's: RMS over all pixels of the film (background included) of images scaled to a largest value
 // of 1, here over all colours and 24 lights. Errors of the number of directions are against tables made for those very
@@ -14,12 +13,10 @@
 #include <algorithm>
 #include <cmath>
 #include <ctime>
-#include <random>
+#include <tuple>
 
 namespace opaline::bench {
 namespace {
-
-glm::dvec3 any_direction() { return glm::normalize(glm::dvec3(0.3, 0.5, 0.8)); }
 
 constexpr int test_lights = 24, fine_directions = 100000;
 
@@ -65,13 +62,16 @@ class Bench {
         shared_(scene_, {scene.objects[0].mesh.triangles.size(), {}}, false) {}
 
   /// The table of those of `directions` that the lights need, or of all.
-  TransferTable table(int directions, TransferForm form, bool all, Counters& counters) {
+  TransferTable table(int directions, TransferForm form, bool all, Counters& counters,
+                      DirectionInterpolation interpolation = DirectionInterpolation::four) {
     TransferSettings s = settings_for(directions, form);
     s.any_light = all;
     TransferVertices v = vertices();
-    return make_object_table(shared_, s, 0, nodes(directions), v, counters);
+    return make_object_table(shared_, s, 0, nodes(directions, interpolation), v, counters);
   }
-  TransferNodes nodes(int directions) const { return transfer_nodes(mesh(), directions, 1); }
+  TransferNodes nodes(int directions, DirectionInterpolation interpolation = DirectionInterpolation::four) const {
+    return transfer_nodes(mesh(), directions, 1, interpolation);
+  }
   const TransferVertices& vertices() {
     if (!vertices_) vertices_ = std::make_unique<TransferVertices>(mesh(), 1);
     return *vertices_;
@@ -79,10 +79,15 @@ class Bench {
 
   using Images = std::vector<std::vector<glm::vec3>>;
   Images images(const EncodedTransfer& transfer, const TransferNodes& nodes) {
+    std::vector<glm::dvec3> lights;
+    for (const std::uint32_t light : light_nodes()) lights.push_back(fine_[light]);
+    return images(transfer, nodes, lights);
+  }
+  Images images(const EncodedTransfer& transfer, const TransferNodes& nodes, const std::vector<glm::dvec3>& lights) {
     Images result;
     Counters counters;
-    for (const std::uint32_t light : light_nodes()) {
-      const VertexExitance b = transfer.exitance({{fine_[light], 0, Rgb(1)}}, nodes, counters);
+    for (const glm::dvec3& light : lights) {
+      const VertexExitance b = transfer.exitance({{light, 0, Rgb(1)}}, nodes, counters);
       std::vector<glm::vec3> image;
       for (const VisiblePoint& p : shared_.view.points)
         image.push_back(interpolated(vertices().at(mesh(), p.triangle, p.position), [&](std::uint32_t v) {
@@ -92,6 +97,7 @@ class Bench {
     }
     return result;
   }
+  glm::dvec3 eye() const { return glm::normalize(scene_.camera.position); }
   double rms(const Images& a, const Images& reference) const {
     double squares = 0;
     float largest = 0;
@@ -126,15 +132,29 @@ void print_directions(Bench& bench) {
                    bench.nodes(fine_directions));
   const std::pair<int, double> counts[] = {{50, 0}, {100, 0}, {200, 3e-3}, {400, 0}, {800, 0}};
   for (const auto& [count, paper] : counts) {
-    const EncodedTransfer q = encode_rows(bench.table(count, TransferForm::floats, false, counters), RowStorage::f32);
+    // The twelve nearest directions to a light include the four.
+    constexpr DirectionInterpolation twelve = DirectionInterpolation::twelve;
+    const EncodedTransfer q =
+        encode_rows(bench.table(count, TransferForm::floats, false, counters, twelve), RowStorage::f32);
     const Bench::Images of_q = bench.images(q, bench.nodes(count));
     row(fmt::format("{} directions, q", count), bench.rms(of_q, exact), paper, "");
+    row(fmt::format("{} directions, q, interpolated from twelve", count),
+        bench.rms(bench.images(q, bench.nodes(count, twelve)), exact), paper, "");
     if (count != 200) continue;
     const EncodedTransfer v = encode_rows(bench.table(count, TransferForm::vectors, false, counters), RowStorage::f32);
     const Bench::Images of_v = bench.images(v, bench.nodes(count));
     row("200 directions, Q", bench.rms(of_v, exact), 0, "");
     row("Q against q", bench.rms(of_v, of_q), 5.26e-3, "");
   }
+}
+
+double relative_rms(const std::vector<glm::vec3>& image, const std::vector<glm::vec3>& exact) {
+  double squares = 0, norm = 0;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    const glm::dvec3 d = glm::dvec3(image[i]) - glm::dvec3(exact[i]);
+    squares += glm::dot(d, d), norm += glm::dot(glm::dvec3(exact[i]), glm::dvec3(exact[i]));
+  }
+  return std::sqrt(squares / norm);
 }
 
 double signal_to_noise(const TransferTable& table, const CodedRows& rows) {
@@ -162,6 +182,52 @@ std::string size_of(const EncodedTransfer& t) {
   return fmt::format("{:.1f} bytes a vertex, {:.1f} of one colour", all, shared + (all - shared) / t.tables);
 }
 
+constexpr std::pair<std::size_t, double> paper_points[] = {
+    {390, .010}, {614, .0065}, {1264, .0034}, {2526, .0022}, {5176, .0017}};
+
+void print_references(Bench& bench, const TransferTable& table, const Bench::Images& q) {
+  const std::tuple<ReferenceSelection, ReferenceWeights, const char*> ways[] = {
+      {ReferenceSelection::shape, ReferenceWeights::barycentric, "as published"},
+      {ReferenceSelection::transfer, ReferenceWeights::barycentric, "by transfer"},
+      {ReferenceSelection::transfer, ReferenceWeights::least_squares, "by transfer, fitted"}};
+  const TransferNodes nodes = bench.nodes(200);
+  for (const int order : {3, 6})
+    for (const auto& [selection, weights, name] : ways)
+      for (const auto& [count, paper] : paper_points) {
+        if (2 * count > table.vertices) continue;
+        const EncodedTransfer t =
+            encode_references(table, nodes, bench.vertices(),
+                              {.points = count, .selection = selection, .weights = weights, .order = order});
+        row(fmt::format("{} reference points, n = {}, {}", t.references->points.size(), order, name),
+            bench.rms(bench.images(t, nodes), q), order == 3 ? paper : 0, size_of(t));
+      }
+}
+
+/// Relative RMS of single images lit from in front, from the side and from behind, where all that is seen is dim.
+void print_sides(Bench& bench, const TransferTable& table) {
+  const TransferNodes nodes = bench.nodes(200);
+  const glm::dvec3 eye = bench.eye();
+  const std::vector<glm::dvec3> lights = {glm::normalize(eye + glm::dvec3(0.1, 0.1, 0)),
+                                          glm::normalize(glm::dvec3(1, 0.2, 0.1)),
+                                          glm::normalize(-eye + glm::dvec3(0.15, 0.2, 0))};
+  const Bench::Images exact = bench.images(encode_rows(table, RowStorage::f32), nodes, lights);
+  fmt::print("\nRelative RMS error of single images against q{:<7}{:>12}{:>12}{:>12}\n", "", "front-lit", "side-lit",
+             "back-lit");
+  const auto line = [&](const std::string& name, const EncodedTransfer& t) {
+    const Bench::Images images = bench.images(t, nodes, lights);
+    fmt::print("{:<52}", name);
+    for (std::size_t l = 0; l < 3; ++l) fmt::print("{:>12.2e}", relative_rms(images[l], exact[l]));
+    fmt::print("\n");
+  };
+  ReferenceSettings settings{.points = default_references(table.vertices)};
+  line("Lloyd, 8 bits", encode_rows(table, RowStorage::code8));
+  line("harmonics, n = 7", encode_harmonics(table, nodes, 7));
+  line(fmt::format("{} reference points, n = 3, as published", settings.points),
+       encode_references(table, nodes, bench.vertices(), settings));
+  settings.selection = ReferenceSelection::transfer, settings.weights = ReferenceWeights::least_squares;
+  line("the same, by transfer, fitted", encode_references(table, nodes, bench.vertices(), settings));
+}
+
 void print_forms(Bench& bench, const TransferTable& table) {
   const TransferNodes nodes = bench.nodes(200);
   const Bench::Images q = bench.images(encode_rows(table, RowStorage::f32), nodes);
@@ -174,113 +240,14 @@ void print_forms(Bench& bench, const TransferTable& table) {
     row(fmt::format("harmonics, n = {}, 16 bits", order), bench.rms(bench.images(t, nodes), q), paper_orders[order - 1],
         size_of(t));
   }
-  const std::pair<std::size_t, double> points[] = {
-      {390, .010}, {614, .0065}, {1264, .0034}, {2526, .0022}, {5176, .0017}};
-  for (const int order : {3, 6})
-    for (const ReferenceWeights weights : {ReferenceWeights::barycentric, ReferenceWeights::least_squares})
-      for (const auto& [count, paper] : points) {
-        const EncodedTransfer t =
-            encode_references(table, nodes, bench.vertices(),
-                              {.points = count, .weights = weights, .order = order, .difference = RowStorage::code8});
-        row(fmt::format("{} reference points, n = {}, {}", t.references->points.size(), order,
-                        weights == ReferenceWeights::barycentric ? "barycentric" : "least squares"),
-            bench.rms(bench.images(t, nodes), q), order == 3 && weights == ReferenceWeights::barycentric ? paper : 0,
-            size_of(t));
-      }
-}
-
-// --- time -------------------------------------------------------------------------------------------
-
-std::vector<float> noise(std::size_t count) {
-  std::mt19937 random(1);
-  std::vector<float> values(count);
-  for (float& v : values) v = static_cast<float>(random() % 1000) / 1000;
-  return values;
-}
-
-/// A table of three colours of any contents: time does not depend on what is in it.
-EncodedTransfer any_transfer(TransferForm form, std::size_t vertices, const std::vector<std::uint32_t>& nodes) {
-  EncodedTransfer t;
-  t.tables = 3;
-  for (int c = 0; c < 3; ++c) t.table_of[c] = c;
-  const std::size_t stride = (vertices + TransferTable::lanes - 1) / TransferTable::lanes * TransferTable::lanes;
-  const bool references = form == TransferForm::references, harmonic = references || form == TransferForm::harmonics;
-  t.order = references ? 3 : 7;
-  t.basis = harmonic ? TransferBasis::harmonics : TransferBasis::nodes;
-  for (std::uint32_t i = 0; harmonic && i < static_cast<std::uint32_t>(t.order * t.order); ++i) t.keys.push_back(i);
-  if (!harmonic) t.keys = nodes;
-  const RowStorage storage = references                    ? RowStorage::i8
-                             : harmonic                    ? RowStorage::i16
-                             : form == TransferForm::lloyd ? RowStorage::code8
-                                                           : RowStorage::f32;
-  t.rows = CodedRows(storage, noise(3 * t.keys.size() * stride), 3 * t.keys.size(), vertices,
-                     references ? static_cast<int>(3 * t.keys.size()) : 3);
-  if (!references) return t;
-  ReferencePoints points;
-  const std::size_t count = vertices / 29 + 3;
-  points.full = std::make_unique<EncodedTransfer>(any_transfer(TransferForm::lloyd, count, nodes));
-  points.points.resize(count);
-  for (std::uint32_t k = 0; k + 2 < count; ++k) points.triangles.push_back({k, k + 1, k + 2});
-  for (std::size_t v = 0; v < stride; ++v)
-    points.triangle_of.push_back(static_cast<std::uint32_t>(std::min(v / 29, count - 3)));
-  points.weights.assign(2 * stride, 3333);
-  t.references = std::move(points);
-  return t;
-}
-
-struct FrameTime {
-  double seconds, processor;
-};
-
-/// Medians of a relit frame.
-FrameTime frame_time(const EncodedTransfer& t, const TransferNodes& nodes, int runs) {
-  Counters counters;
-  const std::vector<TransferLight> light = {{any_direction(), 0, Rgb(1)}};
-  std::vector<double> processor;
-  const double seconds = median_seconds(runs, [&] {
-    const std::clock_t start = std::clock();
-    t.exitance(light, nodes, counters);
-    processor.push_back(static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
-  });
-  std::sort(processor.begin(), processor.end());
-  return {seconds, processor[processor.size() / 2]};
-}
-
-std::vector<Figure> run_time_figures(const Scene& scene, int runs) {
-  std::vector<Figure> figures;
-  const TransferNodes nodes = transfer_nodes(scene.objects[0].mesh, 200, 1);
-  std::vector<std::uint32_t> keys;
-  for (const KeyWeight& w : node_weights({{any_direction(), 0, Rgb(1)}}, nodes)) keys.push_back(w.key);
-  const std::pair<TransferForm, const char*> forms[] = {{TransferForm::floats, "float q"},
-                                                        {TransferForm::lloyd, "Lloyd codes"},
-                                                        {TransferForm::harmonics, "harmonics, n = 7"},
-                                                        {TransferForm::references, "reference points, n = 3"}};
-  for (const auto& [form, name] : forms) {
-    const FrameTime t = frame_time(any_transfer(form, 150510, keys), nodes, 4 * runs);
-    figures.push_back({fmt::format("{}: a relit frame of 150510 vertices, RGB", name), 1e3 * t.seconds, 3, true, "ms",
-                       fmt::format("{:.2f} ms of processor", 1e3 * t.processor)});
-    if (form == TransferForm::references)
-      figures.push_back({"  vertex-lights (three colours each)", 1e-6 * 150510 / t.seconds, 100, false, "M/s", ""});
-    double x = 0, y = 0, xx = 0, xy = 0;
-    for (const double vertices : {1e4, 3e4, 1e5, 3e5, 1e6}) {
-      const double u = std::log(vertices),
-                   v = std::log(
-                       frame_time(any_transfer(form, static_cast<std::size_t>(vertices), keys), nodes, 4 * runs)
-                           .processor);
-      x += u / 5, y += v / 5, xx += u * u / 5, xy += u * v / 5;
-    }
-    const double power = (xy - x * y) / (xx - x * x);
-    figures.push_back({"  exponent of vertices, 1e4 to 1e6, at most", power, 1.05, true, "", "of processor time"});
-    figures.push_back({"  at least", power, 0.95, false, "", ""});
-  }
-  return figures;
+  print_references(bench, table, q);
 }
 
 }  // namespace
 
 void print_transfer_figures(const SceneChoice& choice) {
   const Scene scene = transfer_scene(choice, choice.transfer_vertices);
-  print_figures("Precomputed transfer: run time", run_time_figures(scene, choice.runs));
+  print_figures("Precomputed transfer: run time", transfer_time_figures(choice.runs));
   Bench bench(scene);
   Counters counters;
   TransferTable table;
@@ -300,7 +267,9 @@ void print_transfer_figures(const SceneChoice& choice) {
   fmt::print("\nPrecomputed transfer, {}, {} vertices: RMS error of images in [0, 1]\n{:<52}{:>12}{:>12}   {}\n",
              scene.objects[0].name, table.vertices, "", "reached", "paper", "stored");
   print_forms(bench, table);
+  print_sides(bench, table);
   table = {};
+  fmt::print("\nRMS error of images in [0, 1] against tables made for their very lights\n");
   print_directions(bench);
 }
 
