@@ -72,11 +72,31 @@ MappedScene make_mapped_scene(const Scene& scene, const TextureMappingSettings& 
   return mapped;
 }
 
-std::uint32_t MappedScene::visible(const SharedScene& shared, const VisiblePoint& p, MarchCounts& counts) const {
-  if (unshadowed) return ~0u;
-  const Mesh& mesh = shared.scene.objects[static_cast<std::size_t>(p.object)].mesh;
-  const glm::vec3 face = surface_point_at(mesh, p.triangle, p.position).face_normal;
-  return visible_lights(shared.rays, p, face, lights, counts.shadow_rays);
+MarchPoint MappedScene::point(const SharedScene& shared, const VisiblePoint& p, MarchCounts& counts) const {
+  const auto o = static_cast<std::size_t>(p.object);
+  const Mesh& mesh = shared.scene.objects[o].mesh;
+  std::uint32_t visible = ~0u;
+  if (!unshadowed) {
+    const glm::vec3 face = surface_point_at(mesh, p.triangle, p.position).face_normal;
+    visible = visible_lights(shared.rays, p, face, lights, counts.shadow_rays);
+  }
+  return march_point(framed_point(mesh, objects[o]->frames, p), objects[o]->medium, lights, visible);
+}
+
+Counters MappedScene::named(const MarchCounts& c, const MappedObject& object) {
+  Counters counters;
+  counters.done = {{"march_samples", c.samples},
+                   {"light_paths", c.light_paths},
+                   {"shadow_rays", c.shadow_rays},
+                   {"grazing_points", c.grazing_points}};
+  const int unreached = c.samples > 0 ? object.medium.stack.count - c.deepest : 0;
+  counters.skipped = {{"march_samples_behind_negligible", c.samples_negligible},
+                      {"march_samples_of_unlit_points", c.samples_unlit},
+                      {"light_paths_from_behind", c.from_behind},
+                      {"light_paths_shadowed", c.shadowed},
+                      {"light_paths_below_layers", c.below_layers},
+                      {"layers_nobody_reaches", static_cast<std::uint64_t>(std::max(0, unreached))}};
+  return counters;
 }
 
 std::string texture_mapping_not_applicable(const Scene& scene) {

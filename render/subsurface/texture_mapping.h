@@ -29,8 +29,10 @@ struct MappedScene {
   bool unshadowed = false;  ///< nothing can be in shadow, or nobody asks
   Counters counters;
 
-  /// Bits of the lights that a point sees.
-  std::uint32_t visible(const SharedScene& shared, const VisiblePoint& p, MarchCounts& counts) const;
+  /// A visible point ready to march; casts rays to the lights where something may be in shadow.
+  MarchPoint point(const SharedScene& shared, const VisiblePoint& p, MarchCounts& counts) const;
+  /// What the marches of an object's points counted, named.
+  static Counters named(const MarchCounts& counts, const MappedObject& object);
 };
 MappedScene make_mapped_scene(const Scene& scene, const TextureMappingSettings& settings);
 
