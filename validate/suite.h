@@ -25,6 +25,7 @@ struct SuiteScene {
   std::string path;                      ///< anchors relative paths in the document, and names it in messages
   nlohmann::json document;               ///< a scene document
   std::vector<SuiteMaterial> materials;  ///< one after the other for all objects; none: the scene's own
+  std::string dataset;                   ///< of layers (layered_datasets.h), whose depths a run writes; else empty
 };
 
 struct SuiteTruth {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <bit>
-#include <limits>
 
 namespace opaline {
 namespace {
@@ -45,7 +44,8 @@ MarchMedium::MarchMedium(const LayeredMedium& medium) : source(&medium) {
 
 MarchPoint march_point(const FramedPoint& framed, const MarchMedium& medium, std::span<const MarchLight> lights,
                        std::uint32_t visible) {
-  MarchPoint p{framed};
+  MarchPoint p;
+  static_cast<FramedPoint&>(p) = framed;
   p.grazing = glm::dot(p.plane_normal, p.w_o) < least_view_cosine;
   if (p.grazing) p.plane_normal = p.normal;
   const float cosine = std::max(glm::dot(p.plane_normal, p.w_o), least_view_cosine);
@@ -59,6 +59,7 @@ MarchPoint march_point(const FramedPoint& framed, const MarchMedium& medium, std
 void MarchCounts::add(const MarchPoint& p, const MarchResult& result, int count, std::size_t lights) {
   const auto n = static_cast<std::uint64_t>(count), steps = static_cast<std::uint64_t>(result.steps);
   const auto seen = static_cast<std::uint64_t>(std::popcount(p.visible)),
+             faded = static_cast<std::uint64_t>(std::popcount(p.faded)),
              reaching = static_cast<std::uint64_t>(std::popcount(p.lights));
   const auto paths = static_cast<std::uint64_t>(result.light_paths),
              behind = static_cast<std::uint64_t>(result.from_behind);
@@ -66,15 +67,15 @@ void MarchCounts::add(const MarchPoint& p, const MarchResult& result, int count,
   samples += steps;
   (reaching > 0 ? samples_negligible : samples_unlit) += n - steps;
   light_paths += paths;
-  shadowed += (lights - seen) * places;
-  from_behind += behind + (seen - reaching) * places;
+  shadowed += (lights - seen - faded) * places;
+  from_behind += behind + (seen + faded - reaching) * places;
   if (reaching > 0) below_layers += reaching * places - paths - behind;
   grazing_points += p.grazing;
   deepest = std::max(deepest, static_cast<int>(result.deepest));
 }
 
 MarchCounts& MarchCounts::operator+=(const MarchCounts& o) {
-  samples += o.samples, light_paths += o.light_paths, shadow_rays += o.shadow_rays;
+  samples += o.samples, light_paths += o.light_paths, shadow_rays += o.shadow_rays, far_side_rays += o.far_side_rays;
   samples_negligible += o.samples_negligible, samples_unlit += o.samples_unlit;
   from_behind += o.from_behind, shadowed += o.shadowed, below_layers += o.below_layers;
   grazing_points += o.grazing_points;
@@ -93,30 +94,6 @@ std::vector<MarchLight> march_lights(const Scene& scene) {
     if (m.power != glm::vec3(0)) lights.push_back(m);
   }
   return lights;
-}
-
-std::uint32_t visible_lights(const RayScene& rays, const VisiblePoint& p, const glm::vec3& face_normal,
-                             const std::vector<MarchLight>& lights, std::uint64_t& rays_cast) {
-  constexpr int most_hits = 16;
-  std::uint32_t visible = 0;
-  const glm::vec3 from = p.position + rays.offset() * face_normal;
-  for (std::size_t l = 0; l < lights.size(); ++l) {
-    const glm::vec3 w = lights[l].towards(p.position);
-    const float until =
-        lights[l].far ? std::numeric_limits<float>::infinity() : glm::length(lights[l].place - p.position);
-    const bool faces = glm::dot(face_normal, w) > 0;
-    float near = 0;
-    bool blocked = false;
-    for (int hit = 0; hit < most_hits && !blocked; ++hit) {
-      ++rays_cast;
-      const SurfaceHit found = rays.closest(from, w, near);
-      if (found.object < 0 || found.distance > until) break;
-      blocked = faces || found.object != p.object;
-      near = found.distance + rays.offset();
-    }
-    if (!blocked) visible |= 1u << l;
-  }
-  return visible;
 }
 
 std::string march_not_applicable(const Scene& scene) {

@@ -12,13 +12,15 @@
 //   vec4 phase_of[k]                 base, slope, front of phase(); 1 for Schlick's
 //   vec3 light_place[l], light_power[l]; float light_far[l]
 //   float largest_depth, negligible, least_view_cosine
-// and Depths boundaries(Real2 uv), where layers end [mm]; Mask sees(Bits lights, int l), sees_any(Bits lights).
+// and Depths boundaries(Real2 uv), where layers end [mm]; Mask sees(Bits lights, int l), sees_any(Bits lights);
+//   FarSide far_side(int l), of the point that marches: where light l comes in that its planes turn away from
 
 /// A point of the surface, its planes and how texture coordinates change round it: FramedPoint.
 struct Point {
   Real3 position, normal, w_o, plane_normal, gradient_u, gradient_v;
   Real plane_height;
   Real2 uv;
+  Real exit, exit_cosine;  ///< where the view leaves [mm], and its cosine with the surface there
   Bits lights;  ///< those that it sees
 };
 
@@ -42,6 +44,7 @@ struct Sample {
   float t;
   Real3 normal;
   Real depth;  ///< below the plane
+  Real place;  ///< that, or below where the view leaves if that is nearer: it says in which layer the sample is
   Real2 uv;
   Depths ends;
 };
@@ -116,7 +119,7 @@ FORMULA Real3 mean_between(Real3 e0, Real3 e1, Real3 delta) {
 FORMULA Ray view_ray(IN(Point) p) {
   Ray r;
   r.p = p;
-  r.length = largest_depth / max(dot(p.plane_normal, p.w_o), least_view_cosine);
+  r.length = min(largest_depth / max(dot(p.plane_normal, p.w_o), least_view_cosine), p.exit);
   r.end = p.w_o * -r.length;
   r.to_plane = p.normal * p.plane_height - r.end;
   r.uv_end = Real2(dot(p.gradient_u, r.end), dot(p.gradient_v, r.end));
@@ -132,25 +135,46 @@ FORMULA Sample sample_at(IN(Ray) r, float t) {
   Mask blends = square > 1e-12f;
   s.normal = choose(blends, n * inverse_root(choose(blends, square, 1.0f)), r.p.normal);
   s.depth = max(t * dot(r.to_plane, s.normal), 0.0f);
+  s.place = min(s.depth, max((r.p.exit - r.length * t) * r.p.exit_cosine, 0.0f));
   s.uv = r.p.uv + r.uv_end * t;
   s.ends = boundaries(s.uv);
   return s;
 }
 
-/// Optical depth from K, where light from w_i enters the plane, to the sample: equations 10 to 12, with the mean of the
-/// thicknesses that equation 12 means.
-FORMULA Real3 depth_of_way(IN(Ray) r, IN(Sample) s, Real3 w_i, Real per_cosine) {
-  Real2 change = Real2(dot(r.p.gradient_u, w_i), dot(r.p.gradient_v, w_i));
-  Depths at_k = boundaries(s.uv + change * (s.depth * per_cosine));
-  Real left = s.depth, above = 0.0f;
+/// Way of light from K, where it enters a plane, to a sample.
+struct LightWay {
+  Mask far;            ///< K is on the far side
+  Real depth, cosine;  ///< of the sample below K's plane, and of the way with its normal
+  Real sinking;        ///< cosine of the way with the near plane, downwards
+  Real2 uv;            ///< of K
+};
+
+/// Optical depth from the surface straight down.
+FORMULA Real3 depth_below(IN(Depths) ends, Real depth) {
+  Real left = depth, above = 0.0f;
   Real3 tau = Real3(0.0f);
   for (int j = 0; j < layers; ++j) {
-    Real end = 0.5f * (s.ends.of[j] + at_k.of[j]), part = min(left, end - above);
+    Real part = min(left, ends.of[j] - above);
     tau += part * sigma_t[j];
     left -= part;
-    above = end;
+    above = ends.of[j];
   }
-  return (tau + left * sigma_t[layers]) * per_cosine;
+  return tau + left * sigma_t[layers];
+}
+
+/// Optical depth of the way: equations 10 to 12, with the mean of the thicknesses that equation 12 means. From the far
+/// side it is in K's layers as far as K's plane is nearer, then in the sample's.
+FORMULA Real3 depth_of_way(IN(Sample) s, IN(LightWay) way) {
+  Depths ends = boundaries(way.uv);
+  for (int j = 0; j < layers; ++j) ends.of[j] = choose(way.far, ends.of[j], 0.5f * (s.ends.of[j] + ends.of[j]));
+  Real per_cosine = 1.0f / way.cosine, length = way.depth * per_cosine;
+  Real half_way = min((s.place + length * way.sinking) / (way.cosine + way.sinking), length);
+  Real3 tau = depth_below(ends, choose(way.far, half_way * way.cosine, way.depth)) * per_cosine;
+  if (some(way.far)) {
+    Real3 rest = depth_below(s.ends, s.place + (length - half_way) * way.sinking) - depth_below(s.ends, s.place);
+    tau += choose(way.far, rest * (1.0f / way.sinking), Real3(0.0f));
+  }
+  return tau;
 }
 
 FORMULA Arrival arrival(IN(Ray) r, IN(Sample) s, int l) {
@@ -163,11 +187,22 @@ FORMULA Arrival arrival(IN(Ray) r, IN(Sample) s, int l) {
     w_i = to_light * inverse;
     a.falloff = inverse * inverse;
   }
-  Real cosine = dot(s.normal, w_i);
-  a.lit = sees(r.p.lights, l) && cosine > 1e-4f;
+  FarSide side = far_side(l);
+  LightWay way;
+  way.far = dot(side.normal, side.normal) > 0.5f;
+  way.depth = choose(way.far, side.height - s.t * dot(side.normal, r.end), s.depth);
+  way.cosine = dot(choose(way.far, side.normal, s.normal), w_i);
+  a.lit = sees(r.p.lights, l) && way.cosine > 1e-4f && way.depth >= 0.0f;
   a.turn = 1.0f + clamp(dot(w_i, r.p.w_o), -1.0f, 1.0f);
   a.tau = Real3(0.0f);
-  if (some(a.lit)) a.tau = depth_of_way(r, s, w_i, 1.0f / max(cosine, 1e-4f));
+  if (some(a.lit)) {
+    way.depth = max(way.depth, 0.0f);
+    way.cosine = max(way.cosine, 1e-4f);
+    way.sinking = max(-dot(s.normal, w_i), 0.01f);
+    Real2 change = Real2(dot(r.p.gradient_u, w_i), dot(r.p.gradient_v, w_i));
+    way.uv = choose(way.far, side.uv, s.uv + change * (way.depth / way.cosine));
+    a.tau = depth_of_way(s, way);
+  }
   return a;
 }
 
@@ -183,7 +218,7 @@ FORMULA void arrive(IN(Ray) r, IN(Sample) s, Mask asking, INOUT(Arrivals) arriva
 
 /// Where the step from a to b crosses the end of layer k: a share of it, 2 if it doesn't.
 FORMULA Real crossing(IN(Sample) a, IN(Sample) b, int k) {
-  Real above_a = a.ends.of[k] - a.depth, above_b = b.ends.of[k] - b.depth;
+  Real above_a = a.ends.of[k] - a.place, above_b = b.ends.of[k] - b.place;
   Mask crosses = (above_a > 0.0f) != (above_b > 0.0f);
   return choose(crosses, abs(above_a) / max(abs(above_a) + abs(above_b), 1e-30f), 2.0f);
 }
@@ -193,7 +228,7 @@ FORMULA Layer layer_at(IN(Sample) a, IN(Sample) b, Real t) {
   Layer layer = layer_of(0);
   int k = 0;
   do {
-    Real above_a = a.ends.of[k] - a.depth, above_b = b.ends.of[k] - b.depth;
+    Real above_a = a.ends.of[k] - a.place, above_b = b.ends.of[k] - b.place;
     Mask below = above_a + t * (above_b - above_a) <= 0.0f;
     if (some(below)) layer = either(below, layer_of(k + 1), layer);
   } while (++k < layers);
@@ -254,7 +289,7 @@ FORMULA void add_sample(IN(Sample) a, IN(Sample) b, Mask alive, Real step_length
   m.deepest = choose(alive, max(m.deepest, layer.number), m.deepest);
 }
 
-FORMULA Mask in_layers(IN(Sample) s) { return s.depth < s.ends.of[layers - 1]; }
+FORMULA Mask in_layers(IN(Sample) s) { return s.place < s.ends.of[layers - 1]; }
 
 FORMULA March march(IN(Point) p) {
   March m;
@@ -271,8 +306,8 @@ FORMULA March march(IN(Point) p) {
   Sample from = sample_at(ray, 0.0f), to = sample_at(ray, 1.0f / float(samples)), next;
   Arrivals from_lights, to_lights;
   Transmittances left;
-  for (int l = 0; l < lights; ++l) left.of[l] = Real3(1.0f);  // at the surface
   arrive(ray, from, alive, from_lights, m);
+  for (int l = 0; l < lights; ++l) left.of[l] = exp_minus(from_lights.of[l].tau);
   int i = 1;
   do {
     next = to;

@@ -35,10 +35,6 @@ std::vector<MarchLight> march_lights(const Scene& scene);
 /// Empty if all lights are directional without extent, or points; else why not.
 std::string march_not_applicable(const Scene& scene);
 
-/// Which of the lights (bit by bit, the first 24) reach a point's surroundings: one shadow ray each. A point that faces
-/// away from a light only asks whether another object stands before it, as its planes know the rest.
-std::uint32_t visible_lights(const RayScene& rays, const VisiblePoint& p, const glm::vec3& face_normal,
-                             const std::vector<MarchLight>& lights, std::uint64_t& rays_cast);
 inline constexpr std::size_t most_march_lights = 24;  ///< bits that a float holds exactly
 
 struct MarchSettings {
@@ -64,12 +60,24 @@ struct MarchMedium {
 /// Below this cosine of the view with the plane the march would go on for ever: it is then taken to be this.
 inline constexpr float least_view_cosine = 0.02f;
 
+/// Where light enters on the far side of an object from a point: a plane and its texture coordinates.
+struct FarSide {
+  glm::vec3 normal{0};  ///< outwards; 0: there is none
+  float height = 0;     ///< of the plane over the point [mm]
+  glm::vec2 uv{0};
+};
+
 /// A point ready to march. Its plane is the tangent plane where the view sees the fitted one edge-on.
 struct MarchPoint : FramedPoint {
   std::uint32_t visible = 0;  ///< lights, bit by bit
-  std::uint32_t lights = 0;   ///< those of them that reach some plane of the march; behind both ends' is behind all
+  std::uint32_t faded = 0;    ///< other lights, of which the way through the object leaves nothing
+  std::uint32_t lights = 0;   ///< those visible that reach some plane of the march; behind both ends' is behind all
   bool grazing = false;       ///< seen along the fitted plane
+  float exit = 1e30f;         ///< where the view leaves the object [mm], if it is known
+  float exit_cosine = 1;      ///< of the view with the surface there
+  std::vector<FarSide> far;   ///< of each light, or empty: far_side.h
 };
+/// By its planes alone.
 MarchPoint march_point(const FramedPoint& p, const MarchMedium& medium, std::span<const MarchLight> lights,
                        std::uint32_t visible);
 
@@ -81,7 +89,7 @@ struct MarchResult {
 };
 
 struct MarchCounts {
-  std::uint64_t samples = 0, light_paths = 0, shadow_rays = 0;
+  std::uint64_t samples = 0, light_paths = 0, shadow_rays = 0, far_side_rays = 0;
   std::uint64_t samples_negligible = 0, samples_unlit = 0;  ///< not made: no light left; no light reaches the point
   std::uint64_t from_behind = 0, shadowed = 0, below_layers = 0;  ///< light paths not followed
   std::uint64_t grazing_points = 0;  ///< seen along the plane: the tangent plane stands in, or the least cosine

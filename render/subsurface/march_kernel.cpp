@@ -65,6 +65,35 @@ HWY_INLINE void read_texture(const LayerTexture& texture, const Real2& uv, Real 
   hn::LoadInterleaved4(Lanes(), found, depth[0].v, depth[1].v, depth[2].v, depth[3].v);
 }
 
+/// As many points as there are lanes, the last again and again where there are fewer.
+struct PointBlock {
+  static constexpr std::size_t fields = 23, far_fields = 6;
+  HWY_ALIGN float field[fields][most_points];
+  HWY_ALIGN float far[most_march_lights][far_fields][most_points];
+  HWY_ALIGN std::int32_t seen[most_points];
+
+  HWY_INLINE void read(const MarchPoint* points, std::size_t count, std::size_t lights) {
+    for (std::size_t i = 0; i < hn::Lanes(Lanes()); ++i) {
+      const MarchPoint& p = points[std::min(i, count - 1)];
+      std::size_t f = 0;
+      for (const glm::vec3* v : {&p.position, &p.normal, &p.w_o, &p.plane_normal, &p.gradient_u, &p.gradient_v})
+        for (int c = 0; c < 3; ++c) field[f++][i] = (*v)[c];
+      for (const float x : {p.plane_height, p.uv.x, p.uv.y, p.exit, p.exit_cosine}) field[f++][i] = x;
+      seen[i] = static_cast<std::int32_t>(p.lights);
+      for (std::size_t l = 0; l < lights; ++l) read_far(p.far.empty() ? FarSide{} : p.far[l], l, i);
+    }
+  }
+
+  HWY_INLINE void read_far(const FarSide& side, std::size_t light, std::size_t lane) {
+    std::size_t f = 0;
+    for (const float x : {side.normal.x, side.normal.y, side.normal.z, side.height, side.uv.x, side.uv.y})
+      far[light][f++][lane] = x;
+  }
+
+  HWY_INLINE Real3 vector(std::size_t f) const { return {Real(field[f]), Real(field[f + 1]), Real(field[f + 2])}; }
+  HWY_INLINE Real number(std::size_t f) const { return Real(field[f]); }
+};
+
 /// The march of march.glsl with what it is given. MostLayers: room for them.
 template <int MostLayers>
 struct MarchKernel {
@@ -72,6 +101,11 @@ struct MarchKernel {
 
   struct Depths {
     Real of[most_layers];
+  };
+  struct FarSide {
+    Real3 normal;
+    Real height;
+    Real2 uv;
   };
 
   const MarchMedium& medium;
@@ -82,6 +116,7 @@ struct MarchKernel {
   const glm::vec4* phase_of;
   glm::vec3 light_place[most_lights], light_power[most_lights];
   float light_far[most_lights];
+  PointBlock block;  ///< of the points that march now
 
   MarchKernel(const MarchMedium& m, std::span<const MarchLight> given, const MarchSettings& settings)
       : medium(m),
@@ -113,40 +148,25 @@ struct MarchKernel {
     return depths;
   }
 
+  HWY_INLINE FarSide far_side(int light) const {
+    const auto& f = block.far[light];
+    return {Real3(Real(f[0]), Real(f[1]), Real(f[2])), Real(f[3]), Real2(Real(f[4]), Real(f[5]))};
+  }
+
 #define FORMULA HWY_INLINE
 #define IN(type) const type&
 #define INOUT(type) type&
 #include "render/subsurface/march.glsl"
+
+  HWY_INLINE March march_block(const MarchPoint* points, std::size_t count) {
+    block.read(points, count, static_cast<std::size_t>(lights));
+    return march({block.vector(0), block.vector(3), block.vector(6), block.vector(9), block.vector(12),
+                  block.vector(15), block.number(18), Real2(block.number(19), block.number(20)), block.number(21),
+                  block.number(22), Bits(block.seen)});
+  }
 #undef FORMULA
 #undef IN
 #undef INOUT
-};
-
-/// As many points as there are lanes, the last again and again where there are fewer.
-struct PointBlock {
-  static constexpr std::size_t fields = 21;
-  HWY_ALIGN float field[fields][most_points];
-  HWY_ALIGN std::int32_t lights[most_points];
-
-  HWY_INLINE PointBlock(const MarchPoint* points, std::size_t count) {
-    for (std::size_t i = 0; i < hn::Lanes(Lanes()); ++i) {
-      const MarchPoint& p = points[std::min(i, count - 1)];
-      std::size_t f = 0;
-      for (const glm::vec3* v : {&p.position, &p.normal, &p.w_o, &p.plane_normal, &p.gradient_u, &p.gradient_v})
-        for (int c = 0; c < 3; ++c) field[f++][i] = (*v)[c];
-      field[f++][i] = p.plane_height, field[f++][i] = p.uv.x, field[f++][i] = p.uv.y;
-      lights[i] = static_cast<std::int32_t>(p.lights);
-    }
-  }
-
-  template <typename Point>
-  HWY_INLINE Point point() const {
-    const auto vector = [&](std::size_t f)
-                            HWY_ATTR { return Real3(Real(field[f]), Real(field[f + 1]), Real(field[f + 2])); };
-    return {vector(0),   vector(3),  vector(6),       vector(9),
-            vector(12),  vector(15), Real(field[18]), Real2(Real(field[19]), Real(field[20])),
-            Bits(lights)};
-  }
 };
 
 template <typename March>
@@ -159,19 +179,22 @@ HWY_INLINE void store(const March& m, std::size_t count, MarchResult* results) {
 }
 
 template <class Kernel>
-HWY_NOINLINE void march_all(Kernel kernel, std::span<const MarchPoint> points, MarchResult* results) {
+HWY_NOINLINE void march_all(Kernel& kernel, std::span<const MarchPoint> points, MarchResult* results) {
   const std::size_t lanes = hn::Lanes(Lanes());
   for (std::size_t i = 0; i < points.size(); i += lanes) {
     const std::size_t count = std::min(lanes, points.size() - i);
-    const PointBlock block(&points[i], count);
-    store(kernel.march(block.template point<typename Kernel::Point>()), count, results + i);
+    store(kernel.march_block(&points[i], count), count, results + i);
   }
 }
 
 void march_points(std::span<const MarchPoint> points, const MarchMedium& medium, std::span<const MarchLight> lights,
                   const MarchSettings& settings, MarchResult* results) {
-  if (medium.stack.count <= 4) return march_all(MarchKernel<4>(medium, lights, settings), points, results);
-  march_all(MarchKernel<LayeredMedium::most_layers>(medium, lights, settings), points, results);
+  if (medium.stack.count <= 4) {
+    MarchKernel<4> kernel(medium, lights, settings);
+    return march_all(kernel, points, results);
+  }
+  MarchKernel<LayeredMedium::most_layers> kernel(medium, lights, settings);
+  march_all(kernel, points, results);
 }
 
 }  // namespace opaline::HWY_NAMESPACE

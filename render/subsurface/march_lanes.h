@@ -112,6 +112,8 @@ struct Real2 {
 HWY_INLINE Real2 operator+(const Real2& a, const Real2& b) { return {a.x + b.x, a.y + b.y}; }
 HWY_INLINE Real2 operator*(const Real2& a, Real b) { return {a.x * b, a.y * b}; }
 
+HWY_INLINE Real2 choose(Mask m, const Real2& a, const Real2& b) { return {choose(m, a.x, b.x), choose(m, a.y, b.y)}; }
+
 struct Real3 {
   Real x, y, z;
 

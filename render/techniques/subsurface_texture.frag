@@ -3,7 +3,7 @@
 layout(location = 0) out vec4 radiance;
 layout(location = 1) out vec4 counts;  // steps, light paths, those from behind, the deepest layer's number
 
-uniform sampler2D positions;      // w: 0 where there is no point
+uniform sampler2D positions;      // w: 0 where there is no point, else where the view leaves
 uniform sampler2D normals;        // w: height of the fitted plane
 uniform sampler2D plane_normals;  // w: u
 uniform sampler2D gradients_u;    // w: v
@@ -13,11 +13,11 @@ uniform float f0, roughness;
 
 const float pi = 3.14159265358979;
 
-Point fetched(ivec2 here, vec3 position) {
+Point fetched(ivec2 here, vec4 position) {
   vec4 n = texelFetch(normals, here, 0), plane = texelFetch(plane_normals, here, 0);
   vec4 gu = texelFetch(gradients_u, here, 0), gv = texelFetch(gradients_v, here, 0);
-  return Point(position, n.xyz, texelFetch(views, here, 0).xyz, plane.xyz, gu.xyz, gv.xyz, n.w, vec2(plane.w, gu.w),
-               int(gv.w));
+  return Point(position.xyz, n.xyz, texelFetch(views, here, 0).xyz, plane.xyz, gu.xyz, gv.xyz, n.w,
+               vec2(plane.w, gu.w), position.w, exit_cosine(), int(gv.w));
 }
 
 vec3 towards(int l, vec3 p) { return light_far[l] > 0.0 ? light_place[l] : normalize(light_place[l] - p); }
@@ -43,7 +43,7 @@ void main() {
   vec4 position = texelFetch(positions, here, 0);
   radiance = counts = vec4(0);
   if (position.w == 0.0) return;
-  Point p = fetched(here, position.xyz);
+  Point p = fetched(here, position);
   March m = march(p);
   radiance = vec4(m.sum, 0);
   counts = vec4(m.steps, m.light_paths, m.from_behind, m.deepest);

@@ -55,10 +55,27 @@ uniform float largest_depth, negligible;
 struct Depths {
   float of[layers];
 };
+struct FarSide {
+  vec3 normal;
+  float height;
+  vec2 uv;
+};
+uniform sampler2D far_sides;  // blocks as large as the film: of each light the normal and height, then uv
+const int across = min(2 * lights, 8), down = (2 * lights + across - 1) / across;
+vec4 far_texel(int block) {
+  ivec2 size = textureSize(far_sides, 0) / ivec2(across, down);
+  return texelFetch(far_sides, ivec2(gl_FragCoord.xy) + size * ivec2(block % across, block / across), 0);
+}
+FarSide far_side(int l) {
+  vec4 plane = far_texel(2 * l);
+  return FarSide(plane.xyz, plane.w, far_texel(2 * l + 1).xy);
+}
+float exit_cosine() { return far_texel(1).z; }
 bool sees(int bits, int l) { return (bits >> l & 1) != 0; }
 bool sees_any(int bits) { return bits != 0; }
 bool some(bool m) { return m; }
 float choose(bool m, float a, float b) { return m ? a : b; }
+vec2 choose(bool m, vec2 a, vec2 b) { return m ? a : b; }
 vec3 choose(bool m, vec3 a, vec3 b) { return m ? a : b; }
 vec3 exp_minus(vec3 x) { return exp(-x); }
 float inverse_root(float x) { return inversesqrt(x); }
@@ -90,24 +107,43 @@ std::string boundaries_source(const MarchMedium& medium) {
 
 /// The points of an object, a texel each, field by field.
 struct PointImages {
-  int height = 0;
-  std::vector<float> fields[6];
+  int height = 0, across = 0, down = 0;  ///< the last field has so many blocks of the others' size
+  std::vector<float> fields[7];
 
-  explicit PointImages(std::size_t points) : height(static_cast<int>((points + row - 1) / row)) {
+  PointImages(std::size_t points, std::size_t lights)
+      : height(static_cast<int>((points + row - 1) / row)),
+        across(std::min(2 * static_cast<int>(lights), 8)),
+        down((2 * static_cast<int>(lights) + across - 1) / across) {
     for (std::vector<float>& f : fields) f.assign(4 * static_cast<std::size_t>(row * height), 0.0f);
+    fields[6].assign(fields[0].size() * static_cast<std::size_t>(across * down), 0.0f);
+  }
+  /// Texel i of a block of the last field.
+  float* far_texel(std::size_t block, std::size_t i) {
+    const auto wide = static_cast<std::size_t>(across), high = static_cast<std::size_t>(height),
+               line = std::size_t{row};
+    const std::size_t x = i % line + block % wide * line, y = i / line + block / wide * high;
+    return &fields[6][4 * (y * wide * line + x)];
   }
   void put(std::size_t i, const MarchPoint& p) {
     const auto texel = [&](int field, const glm::vec3& v, float w) {
       std::copy_n(&v.x, 3, &fields[field][4 * i]);
       fields[field][4 * i + 3] = w;
     };
-    texel(0, p.position, 1), texel(1, p.normal, p.plane_height), texel(2, p.plane_normal, p.uv.x);
+    texel(0, p.position, p.exit), texel(1, p.normal, p.plane_height), texel(2, p.plane_normal, p.uv.x);
     texel(3, p.gradient_u, p.uv.y), texel(4, p.gradient_v, static_cast<float>(p.lights));
     texel(5, p.w_o, static_cast<float>(p.visible));
+    for (std::size_t l = 0; l < p.far.size(); ++l) {
+      const FarSide& side = p.far[l];
+      float *plane = far_texel(2 * l, i), *uv = far_texel(2 * l + 1, i);
+      std::copy_n(&side.normal.x, 3, plane);
+      plane[3] = side.height, uv[0] = side.uv.x, uv[1] = side.uv.y;
+    }
+    far_texel(1, i)[2] = p.exit_cosine;
   }
 };
 
-constexpr const char* field_names[6] = {"positions", "normals", "plane_normals", "gradients_u", "gradients_v", "views"};
+constexpr const char* field_names[7] = {"positions",   "normals", "plane_normals", "gradients_u",
+                                        "gradients_v", "views",   "far_sides"};
 
 class GlMapping : public PreparedTechnique {
  public:
@@ -151,13 +187,11 @@ class GlMapping : public PreparedTechnique {
 
   void render_object(std::size_t o, const GBuffer& view, const std::vector<std::uint32_t>& indices,
                      Frame& frame) const {
-    PointImages images(indices.size());
+    PointImages images(indices.size(), mapped_.lights.size());
     std::vector<MarchPoint> points(indices.size());
-    std::vector<std::uint64_t> rays(indices.size());
+    std::vector<MarchCounts> rays(indices.size());
     tbb::parallel_for(std::size_t{0}, indices.size(), [&](std::size_t i) {
-      MarchCounts counts;
-      points[i] = mapped_.point(shared_, view.points[indices[i]], counts);
-      rays[i] = counts.shadow_rays;
+      points[i] = mapped_.point(shared_, view.points[indices[i]], rays[i]);
       images.put(i, points[i]);
     });
     const Texture2D radiance(context_, row, images.height, Format::rgba32f),
@@ -169,7 +203,7 @@ class GlMapping : public PreparedTechnique {
       const float *l = &light[4 * i], *c = &made[4 * i];
       frame.radiance[indices[i]] = {l[0], l[1], l[2]};
       counts.add(points[i], {{}, c[0], c[1], c[2], c[3]}, settings_.march.samples, mapped_.lights.size());
-      counts.shadow_rays += rays[i];
+      counts += rays[i];
     }
     frame.counters += MappedScene::named(counts, *mapped_.objects[o]);
   }
@@ -177,8 +211,12 @@ class GlMapping : public PreparedTechnique {
   void draw(std::size_t o, const PointImages& images, const std::array<const Texture2D*, 2>& targets) const {
     const gl::Program& program = *programs_[o];
     std::vector<std::unique_ptr<Texture2D>> fields;
-    for (const std::vector<float>& field : images.fields)
-      fields.push_back(std::make_unique<Texture2D>(context_, row, images.height, Format::rgba32f, field.data()));
+    for (const std::vector<float>& field : images.fields) {
+      const bool last = &field == &images.fields[6];
+      fields.push_back(std::make_unique<Texture2D>(context_, last ? row * images.across : row,
+                                                   last ? images.height * images.down : images.height, Format::rgba32f,
+                                                   field.data()));
+    }
     int unit = 0;  // making a texture binds it to whatever unit was last in use: so all are made before
     for (const char* name : field_names) {
       fields[static_cast<std::size_t>(unit)]->bind(static_cast<unsigned>(unit));

@@ -113,6 +113,83 @@ TEST(March, PhaseFunctionsAreTheModels) {
     }
 }
 
+/// A thin slab of these layers, seen from straight above.
+Scene thin_slab(double thickness, const Material& material, const glm::dvec3& light) {
+  Scene scene = test::layered_scene(make_slab({80, 80, thickness}, 800), material, 4, 5, UvProjection::planar);
+  scene.camera.position = {0, 0, 500};
+  scene.lights = {DirectionalLight{glm::normalize(light), Rgb(1), 0}};
+  return scene;
+}
+
+/// Relative difference of all pixels' green from a value, at most.
+double furthest(const Frame& frame, double exact) {
+  double error = frame.radiance.empty() ? 1e9 : 0;
+  for (const glm::vec3& l : frame.radiance) error = std::max(error, std::abs(static_cast<double>(l.g) / exact - 1));
+  return error;
+}
+
+// Light that crosses a slab: what scatters on the way, all of it equally faded. Its layers lie on both sides.
+TEST(FarSide, AThinSlabLitFromBehindIsTheClosedForm) {
+  const double thickness = 1, skin = 0.3, s0 = 1, t0 = 1.6, s1 = 2.5, t1 = 3;
+  const Material m = test::even_layers({{Rgb(s0), Rgb(t0), 0}, {Rgb(s1), Rgb(t1), 0}}, {0.3f, 5});
+  const Scene scene = thin_slab(thickness, m, {0, 0, 1});
+  const double core = thickness - 2 * skin, through = std::exp(-2 * skin * t0 - core * t1);
+  EXPECT_LT(furthest(test::render(scene, "subsurface_texture"), (2 * skin * s0 + core * s1) / (4 * pi) * through),
+            2e-3);
+  EXPECT_EQ(furthest(test::render(scene, "subsurface_texture", {{"far_side", "none"}}), 1), 1) << "the paper's is dark";
+}
+
+TEST(FarSide, LightThatCrossesASlabAtAnAngleIsTheClosedForm) {
+  const double sigma_s = 1, sigma_t = 1.6, thickness = 0.8;
+  const Scene scene = thin_slab(thickness, test::even_layers({{Rgb(sigma_s), Rgb(sigma_t), 0}}, {5}), {0.6, 0, 0.8});
+  // Over depth z: up through z, down from the far side along 1.25 (thickness - z).
+  const double rate = sigma_t * (1 - 1.25);
+  const double exact =
+      sigma_s / (4 * pi) * std::exp(-1.25 * sigma_t * thickness) * -std::expm1(-rate * thickness) / rate;
+  EXPECT_LT(furthest(test::render(scene, "subsurface_texture"), exact), 1e-4);
+}
+
+TEST(FarSide, TheMarchEndsWhereTheViewLeaves) {
+  const Scene scene = thin_slab(0.4, test::even_layers({{Rgb(0.5), Rgb(1), 0}}, {5}), {0, 0, -1});
+  EXPECT_LT(furthest(test::render(scene, "subsurface_texture"), closed_form(0.5, 1, 0.4)), 1e-4);
+}
+
+// What is left out because it cannot matter doesn't; and there is much of it behind a thick object.
+TEST(FarSide, SkippingThickWaysChangesNothing) {
+  Scene scene = test::layered_scene(make_sphere(8, 3000), test::wavy_layers(), 18, 31, UvProjection::spherical);
+  scene.lights = {DirectionalLight{{0.1, 0.2, 0.9}, Rgb(1), 0}};
+  const Frame with = test::render(scene, "subsurface_texture"),
+              without = test::render(scene, "subsurface_texture", {{"negligible", "0"}});
+  double most = 0, brightest = 0;
+  for (std::size_t i = 0; i < with.radiance.size(); ++i)
+    for (int c = 0; c < 3; ++c) {
+      most = std::max(most, std::abs(static_cast<double>(with.radiance[i][c] - without.radiance[i][c])));
+      brightest = std::max(brightest, static_cast<double>(without.radiance[i][c]));
+    }
+  EXPECT_GT(brightest, 0.01);
+  EXPECT_LT(most, 2e-4 * brightest);
+  EXPECT_GT(with.counters.skipped.at("light_paths_from_behind"),
+            without.counters.skipped.at("light_paths_from_behind"));
+}
+
+TEST(FarSide, ApproachesTheExactMarchWhereASphereIsLitFromBehind) {
+  Scene scene = test::layered_scene(make_sphere(1.5, 3000), test::even_layers(test::fish_layers(), {0.3f, 0.6f, 3}),
+                                    3.4, 9, UvProjection::spherical);
+  scene.lights = {DirectionalLight{glm::normalize(glm::dvec3(0.3, 0.2, 0.9)), Rgb(1), 0}};
+  const Frame exact = test::render(scene, "single_scatter_exact", {{"max_relative_error", "1e-2"}});
+  const auto error = [&](const char* far_side) {
+    const Frame frame = test::render(scene, "subsurface_texture", {{"far_side", far_side}});
+    double squares = 0, norm = 0;
+    for (std::size_t i = 0; i < exact.radiance.size(); ++i) {
+      const glm::dvec3 b(exact.radiance[i]), d = glm::dvec3(frame.radiance[i]) - b;
+      squares += glm::dot(d, d), norm += glm::dot(b, b);
+    }
+    return std::sqrt(squares / norm);
+  };
+  EXPECT_LT(error("traced"), 0.2);
+  EXPECT_GT(error("none"), 0.7);
+}
+
 /// A sphere of waving layers, lit from the side and by a point.
 Scene wavy_sphere(int pixels) {
   Scene scene = test::layered_scene(make_sphere(10, 3000), test::wavy_layers(), 24, pixels, UvProjection::spherical);
