@@ -205,6 +205,8 @@ void read_measuring(JsonObject& in, Suite& suite) {
   suite.max_seconds = in.number_or("max_seconds", Range::positive(), suite.max_seconds);
   suite.images = in.boolean_or("images", suite.images);
   if (in.has("reference")) suite.reference = read_settings(in, "reference", "hierarchical");
+  if (in.has("layered_reference"))
+    suite.layered_reference = read_settings(in, "layered_reference", "single_scatter_exact");
 }
 
 }  // namespace

@@ -46,6 +46,7 @@ struct Suite {
   int runs = 3;            ///< measurements of each time, at least
   double max_seconds = 5;  ///< no measurement is repeated beyond this
   SettingValues reference = {{"max_relative_error", "3e-4"}};
+  SettingValues layered_reference;  ///< of single_scatter_exact, where materials have layers
   std::optional<SuiteTruth> truth;
   bool images = true;  ///< are the rendered images kept?
 };

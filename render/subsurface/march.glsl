@@ -192,7 +192,8 @@ FORMULA Arrival arrival(IN(Ray) r, IN(Sample) s, int l) {
   way.far = dot(side.normal, side.normal) > 0.5f;
   way.depth = choose(way.far, side.height - s.t * dot(side.normal, r.end), s.depth);
   way.cosine = dot(choose(way.far, side.normal, s.normal), w_i);
-  a.lit = sees(r.p.lights, l) && way.cosine > 1e-4f && way.depth >= 0.0f;
+  // The view may leave where the light comes in: roundings must not decide whether it is lit there.
+  a.lit = sees(r.p.lights, l) && way.cosine > 1e-4f && way.depth > -1e-3f * r.length;
   a.turn = 1.0f + clamp(dot(w_i, r.p.w_o), -1.0f, 1.0f);
   a.tau = Real3(0.0f);
   if (some(a.lit)) {
