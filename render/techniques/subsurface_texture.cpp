@@ -76,8 +76,8 @@ Technique subsurface_texture_technique() {
       .citation = "Francois, Pattanaik, Bouatouch, Breton 2006, \"Subsurface Texture Mapping\"",
       .backends = {"cpu", "gpu"},
       .limits =
-          "materials with layers; directional and point lights without extent; no refraction; light that comes from "
-          "behind the surface's planes, as through a thin fin, is missing",
+          "materials with layers; directional and point lights without extent; no refraction; a plane for the surface, "
+          "and one where light comes through from behind: wrong where the surface bends within the light's reach",
       .settings = texture_mapping_setting_specs(),
       .invalidated_by = {.camera = false, .light = true, .material = true, .geometry = true},
       .not_applicable = texture_mapping_not_applicable,

@@ -152,7 +152,7 @@ void print_subsurface_figures(const SceneChoice& choice) {
     time_figures(dataset_scene(name), choice.runs, figures);
     print_figures(fmt::format("Subsurface texture mapping: {}", name), figures);
   }
-  constexpr int height = 48;
+  constexpr int height = 36;
   fmt::print("\nRelative RMS error against single_scatter_exact (no refraction), {} x {}\n{:<34}{:>9}{:>9}{:>9}{:>9}\n",
              height * 4 / 3, height, "", "N = 10", "20", "50", "100");
   for (const char* name : media) {
