@@ -188,12 +188,16 @@ FORMULA Arrival arrival(IN(Ray) r, IN(Sample) s, int l) {
     a.falloff = inverse * inverse;
   }
   FarSide side = far_side(l);
-  LightWay way;
-  way.far = dot(side.normal, side.normal) > 0.5f;
-  way.depth = choose(way.far, side.height - s.t * dot(side.normal, r.end), s.depth);
-  way.cosine = dot(choose(way.far, side.normal, s.normal), w_i);
+  Real near_cosine = dot(s.normal, w_i), far_cosine = dot(side.normal, w_i);
+  Real far_depth = side.height - s.t * dot(side.normal, r.end);
   // The view may leave where the light comes in: roundings must not decide whether it is lit there.
-  a.lit = sees(r.p.lights, l) && way.cosine > 1e-4f && way.depth > -1e-3f * r.length;
+  Mask near = near_cosine > 1e-4f, far = far_cosine > 1e-4f && far_depth > -1e-3f * r.length;
+  LightWay way;
+  // A convex surface lies below all its planes: the nearer one says more.
+  way.far = far && (!near || far_depth * near_cosine < s.depth * far_cosine);
+  way.depth = choose(way.far, far_depth, s.depth);
+  way.cosine = choose(way.far, far_cosine, near_cosine);
+  a.lit = sees(r.p.lights, l) && (near || far);
   a.turn = 1.0f + clamp(dot(w_i, r.p.w_o), -1.0f, 1.0f);
   a.tau = Real3(0.0f);
   if (some(a.lit)) {
