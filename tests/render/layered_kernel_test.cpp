@@ -23,6 +23,7 @@ TEST(LayerFft, IsTheSumItSays) {
   constexpr int width = 10, height = 6, rows = 4;
   LayerStack stack(width, height, 2);
   std::vector<float> image(width * height);
+  for (int y = 0; y < height; ++y) std::fill_n(stack.row(1, y), width + 2, 0.0f);  // with the room for the sums
   for (int y = 0; y < height; ++y)
     for (int x = 0; x < width; ++x) {
       const float value = y < rows ? std::sin(1.7f * static_cast<float>(x * x) + 0.9f * static_cast<float>(y)) : 0;
