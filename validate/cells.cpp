@@ -82,6 +82,7 @@ std::string hash_of(const Cell& cell, const Suite& suite, const std::vector<Scen
                       {"shared", {suite.samples, suite.light_samples, suite.seed}},
                       {"times", {suite.runs, suite.max_seconds}},
                       {"reference", suite.reference},
+                      {"layered_reference", suite.layered_reference},
                       {"truth", truth ? json(suite.truth->settings) : json()},
                       {"images", suite.images}};
   return ContentHash().add(parts.dump()).hex();

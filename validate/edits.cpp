@@ -31,6 +31,14 @@ void edit_light(Light& light) {
   if (auto* l = std::get_if<EnvironmentLight>(&light)) l->scale *= 0.9;
 }
 
+void edit_material(Material& material) {
+  material.sigma_a *= 1.1;
+  if (!material.layers) return;
+  auto layers = std::make_shared<LayeredMedium>(*material.layers);
+  for (SubsurfaceLayer& layer : layers->layers) layer.sigma_t += 0.1 * (layer.sigma_t - layer.sigma_s);
+  material.layers = layers;
+}
+
 void edit_geometry(Mesh& mesh) {
   glm::vec3 centre(0);
   for (const glm::vec3& p : mesh.positions) centre += p / static_cast<float>(mesh.positions.size());
@@ -73,7 +81,7 @@ bool apply(const std::string& edit, TechniqueRun& run, Restore& restore) {
     return invalid.light;
   }
   if (edit == "material") {
-    for (Material& material : s.scene.materials) material.sigma_a *= 1.1;
+    for (Material& material : s.scene.materials) edit_material(material);
     return invalid.material;
   }
   OPALINE_CHECK(edit == "geometry");

@@ -1,10 +1,12 @@
 #include "validate/matrix.h"
 
+#include "datasets_synthetic/layered/layered_datasets.h"
 #include "render/input_error.h"
 #include "render/scene/json_object.h"
 #include "render/stopwatch.h"
 #include "validate/measure.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -47,14 +49,27 @@ std::map<std::string, Record> known_records(const std::string& path, bool remeas
   return known;
 }
 
+/// The suite with the files of its layered datasets in the run's folder.
+Suite with_dataset_files(Suite suite, const RunOptions& options) {
+  const std::vector<std::string>& chosen = options.choice.scenes;
+  for (SuiteScene& scene : suite.scenes) {
+    if (scene.dataset.empty()) continue;
+    if (!chosen.empty() && std::find(chosen.begin(), chosen.end(), scene.name) == chosen.end()) continue;
+    const std::string folder = options.folder + "/scenes/" + scene.dataset;
+    write_layered_dataset(*find_layered_dataset(scene.dataset), folder);
+    scene.path = folder + "/scene.json";
+  }
+  return suite;
+}
+
 class Run {
  public:
   Run(const Suite& suite, const RunOptions& options, const ShapeLibrary& shapes)
-      : suite_(suite),
+      : suite_(with_dataset_files(suite, options)),
         options_(options),
         shapes_(shapes),
-        cases_(scene_cases(suite, options.choice)),
-        cells_(enumerate_cells(suite, cases_, options.choice)),
+        cases_(scene_cases(suite_, options.choice)),
+        cells_(enumerate_cells(suite_, cases_, options.choice)),
         context_(options.choice.gl) {
     gl::parse_api(options.choice.gl);  // throws
     make_folder();
@@ -125,7 +140,7 @@ class Run {
     return nullptr;
   }
 
-  const Suite& suite_;
+  const Suite suite_;
   const RunOptions& options_;
   const ShapeLibrary& shapes_;
   std::vector<SceneCase> cases_;

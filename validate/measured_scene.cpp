@@ -155,7 +155,9 @@ const ReferenceImage& MeasuredScene::reference(const std::string& profile) {
   if (const std::string name = reference_technique(); name != "hierarchical") {
     const auto known = references_.find(name);
     if (known != references_.end()) return known->second;
-    return references_[name] = find_or_make(name, {}, "error");
+    ReferenceImage& made = references_[name] = find_or_make(name, suite_.layered_reference, "error");
+    made.settings = suite_.layered_reference;
+    return made;
   }
   SettingValues settings = suite_.reference;
   if (!profile.empty()) settings["profile"] = profile;

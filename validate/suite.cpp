@@ -1,5 +1,6 @@
 #include "validate/suite.h"
 
+#include "datasets_synthetic/layered/layered_datasets.h"
 #include "datasets_synthetic/recipe.h"
 #include "render/choices.h"
 #include "render/input_error.h"
@@ -126,13 +127,29 @@ std::vector<SuiteMaterial> read_materials(JsonObject& in) {
   return materials;
 }
 
+/// A built-in dataset's scene, or that of a recipe's file.
+void read_recipe(JsonObject& in, SuiteScene& scene) {
+  const std::string name = in.text("recipe");
+  std::vector<std::string> names;
+  for (const Recipe& recipe : shipped_recipes()) names.push_back(recipe.name);
+  for (const LayeredDataset& dataset : layered_datasets()) names.push_back(dataset.name);
+  if (const LayeredDataset* dataset = find_layered_dataset(name)) {
+    scene.dataset = name;
+    scene.document = dataset->scene();
+  } else if (fs::path(name).extension() == ".json" || std::find(names.begin(), names.end(), name) != names.end()) {
+    scene.document = find_recipe(name).scene;
+  } else {
+    in.fail("recipe", unknown_choice("dataset", name, names));
+  }
+}
+
 /// The document from one of "scene" (inline, or a file beside the suite) and "recipe".
 void read_document(JsonObject& in, const std::string& suite_path, SuiteScene& scene) {
   if (in.has("scene") == in.has("recipe"))
     throw InputError(in.file(), in.pointer(), "needs exactly one of \"scene\" and \"recipe\"");
   scene.path = suite_path;
   if (in.has("recipe")) {
-    scene.document = find_recipe(in.text("recipe")).scene;
+    read_recipe(in, scene);
   } else if (in.raw("scene").is_string()) {
     scene.path = (fs::path(suite_path).parent_path() / in.text("scene")).string();
     scene.document = read_json_file(scene.path);
@@ -188,6 +205,8 @@ void read_measuring(JsonObject& in, Suite& suite) {
   suite.max_seconds = in.number_or("max_seconds", Range::positive(), suite.max_seconds);
   suite.images = in.boolean_or("images", suite.images);
   if (in.has("reference")) suite.reference = read_settings(in, "reference", "hierarchical");
+  if (in.has("layered_reference"))
+    suite.layered_reference = read_settings(in, "layered_reference", "single_scatter_exact");
 }
 
 }  // namespace

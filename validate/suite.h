@@ -25,6 +25,7 @@ struct SuiteScene {
   std::string path;                      ///< anchors relative paths in the document, and names it in messages
   nlohmann::json document;               ///< a scene document
   std::vector<SuiteMaterial> materials;  ///< one after the other for all objects; none: the scene's own
+  std::string dataset;                   ///< of layers (layered_datasets.h), whose depths a run writes; else empty
 };
 
 struct SuiteTruth {
@@ -45,6 +46,7 @@ struct Suite {
   int runs = 3;            ///< measurements of each time, at least
   double max_seconds = 5;  ///< no measurement is repeated beyond this
   SettingValues reference = {{"max_relative_error", "3e-4"}};
+  SettingValues layered_reference;  ///< of single_scatter_exact, where materials have layers
   std::optional<SuiteTruth> truth;
   bool images = true;  ///< are the rendered images kept?
 };

@@ -7,15 +7,6 @@ namespace {
 
 using Wrap = SurfaceTexture::Wrap;
 
-/// Column or row i of n, brought into the image.
-int wrapped(int i, int n, Wrap wrap) {
-  if (static_cast<unsigned>(i) < static_cast<unsigned>(n)) return i;
-  if (wrap == Wrap::clamp) return std::clamp(i, 0, n - 1);
-  const int period = wrap == Wrap::mirror ? 2 * n : n;
-  const int at = (i % period + period) % period;
-  return at < n ? at : period - 1 - at;
-}
-
 /// std::floor is a call where processors of the least kind are built for.
 int floor_of(float x) {
   const int towards_zero = static_cast<int>(x);
@@ -27,10 +18,18 @@ float bounded(float x) { return std::clamp(x, -1e6f, 1e6f); }
 
 }  // namespace
 
+int wrapped_texel(int i, int n, Wrap wrap) {
+  if (static_cast<unsigned>(i) < static_cast<unsigned>(n)) return i;
+  if (wrap == Wrap::clamp) return std::clamp(i, 0, n - 1);
+  const int period = wrap == Wrap::mirror ? 2 * n : n;
+  const int at = (i % period + period) % period;
+  return at < n ? at : period - 1 - at;
+}
+
 void SurfaceTexture::sample(const glm::vec2& uv, int count, float* out) const {
   const int w = image->width, h = image->height;
   const auto texel = [&](int x, int y) {
-    return &image->data[image->index(wrapped(x, w, wrap), h - 1 - wrapped(y, h, wrap), 0)];
+    return &image->data[image->index(wrapped_texel(x, w, wrap), h - 1 - wrapped_texel(y, h, wrap), 0)];
   };
   float x = bounded(uv.x) * static_cast<float>(w), y = bounded(uv.y) * static_cast<float>(h);
   if (filter == Filter::nearest) {

@@ -26,4 +26,7 @@ struct SurfaceTexture {
   void sample(const glm::vec2& uv, int count, float* out) const;
 };
 
+/// Column or row i of an image of n, brought into it.
+int wrapped_texel(int i, int n, SurfaceTexture::Wrap wrap);
+
 }  // namespace opaline

@@ -52,7 +52,7 @@ class ExactMarch {
   ExactSettings settings_;
   double eta_;
   const LayeredMedium& textures_;
-  LayerStack stack_;
+  MediumLayers stack_;
   ClosestTriangle surface_;
   Interior interior_;
 };

@@ -13,16 +13,16 @@
 namespace opaline {
 
 /// The layers of a medium in float, for inner loops. Index `count` is what lies below the last layer.
-struct LayerStack {
+struct MediumLayers {
   int count = 0;
   std::array<glm::vec3, LayeredMedium::most_layers + 1> sigma_s{}, sigma_t{};
   std::array<float, LayeredMedium::most_layers + 1> g{};
   std::array<bool, LayeredMedium::most_layers + 1> schlick{};
 
-  LayerStack() = default;
-  explicit LayerStack(const LayeredMedium& medium) : LayerStack(medium.layers, medium.layers.back()) {}
+  MediumLayers() = default;
+  explicit MediumLayers(const LayeredMedium& medium) : MediumLayers(medium.layers, medium.layers.back()) {}
   /// 1 .. most_layers layers; light fades below them as in `beneath`.
-  LayerStack(const std::vector<SubsurfaceLayer>& layers, const SubsurfaceLayer& beneath)
+  MediumLayers(const std::vector<SubsurfaceLayer>& layers, const SubsurfaceLayer& beneath)
       : count(static_cast<int>(layers.size())) {
     for (std::size_t k = 0; k < layers.size(); ++k) {
       const SubsurfaceLayer& layer = layers[k];

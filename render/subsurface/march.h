@@ -3,12 +3,15 @@
 //
 // From P the march goes N steps along -w_o to M_max, where the last layer may end below the least-squares plane. At a
 // point M the surface is the plane blended between P's tangent plane and that one; light enters it at K. Depth below
-// that plane says in which layer M is; the layers along KM are as thick as the mean of M's and K's texels.
+// that plane says in which layer M is; the layers along KM are as thick as the mean of M's and K's texels. march.glsl
+// is the march itself, for shaders and for vectors of points.
 #pragma once
 
+#include "render/subsurface/layer_texture.h"
 #include "render/subsurface/layers.h"
 #include "render/subsurface/surface_frame.h"
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,10 +35,6 @@ std::vector<MarchLight> march_lights(const Scene& scene);
 /// Empty if all lights are directional without extent, or points; else why not.
 std::string march_not_applicable(const Scene& scene);
 
-/// Which of the lights (bit by bit, the first 24) reach a point's surroundings: one shadow ray each. A point that faces
-/// away from a light only asks whether another object stands before it, as its planes know the rest.
-std::uint32_t visible_lights(const RayScene& rays, const VisiblePoint& p, const glm::vec3& face_normal,
-                             const std::vector<MarchLight>& lights, std::uint64_t& rays_cast);
 inline constexpr std::size_t most_march_lights = 24;  ///< bits that a float holds exactly
 
 struct MarchSettings {
@@ -46,41 +45,63 @@ struct MarchSettings {
 
 /// What one object's march needs at every point.
 struct MarchMedium {
-  const LayeredMedium* textures = nullptr;
-  LayerStack stack;         ///< of the layers that have any thickness
-  std::vector<int> layers;  ///< which of the textures' layers those are
-  float largest_depth = 0;  ///< Depth_max [mm]
+  const LayeredMedium* source = nullptr;
+  MediumLayers stack;                  ///< of the layers that have any thickness
+  std::vector<int> layers;             ///< which of the source's layers those are
+  std::vector<LayerTexture> textures;  ///< where they end, one after the other
+  float largest_depth = 0;             ///< Depth_max [mm]
+  /// Of each layer, for march.glsl's phase().
+  std::array<glm::vec4, LayeredMedium::most_layers + 1> phases{};
 
   MarchMedium() = default;
   explicit MarchMedium(const LayeredMedium& medium);
-  /// Depths at which the layers of the stack end [mm].
-  void boundaries(const glm::vec2& uv, float* out) const {
-    float all[LayeredMedium::most_layers];
-    textures->boundaries(uv, all);
-    for (std::size_t k = 0; k < layers.size(); ++k) out[k] = all[layers[k]];
-  }
 };
 
 /// Below this cosine of the view with the plane the march would go on for ever: it is then taken to be this.
 inline constexpr float least_view_cosine = 0.02f;
 
+/// Where light enters on the far side of an object from a point: a plane and its texture coordinates.
+struct FarSide {
+  glm::vec3 normal{0};  ///< outwards; 0: there is none
+  float height = 0;     ///< of the plane over the point [mm]
+  glm::vec2 uv{0};
+};
+
+/// A point ready to march. Its plane is the tangent plane where the view sees the fitted one edge-on.
+struct MarchPoint : FramedPoint {
+  std::uint32_t visible = 0;  ///< lights, bit by bit
+  std::uint32_t faded = 0;    ///< other lights, of which the way through the object leaves nothing
+  std::uint32_t lights = 0;   ///< those visible that reach some plane of the march; behind both ends' is behind all
+  bool grazing = false;       ///< seen along the fitted plane
+  float exit = 1e30f;         ///< where the view leaves the object [mm], if it is known
+  float exit_cosine = 1;      ///< of the view with the surface there
+  std::vector<FarSide> far;   ///< of each light, or empty: far_side.h
+};
+/// By its planes alone.
+MarchPoint march_point(const FramedPoint& p, const MarchMedium& medium, std::span<const MarchLight> lights,
+                       std::uint32_t visible);
+
+/// What the march of one point gave, on either backend.
+struct MarchResult {
+  glm::vec3 radiance{0};  ///< towards the viewer
+  float steps = 0, light_paths = 0, from_behind = 0;
+  float deepest = 0;  ///< number of layers it has got to
+};
+
 struct MarchCounts {
-  std::uint64_t samples = 0, light_paths = 0, samples_negligible = 0, light_paths_from_behind = 0;
-  std::uint64_t shadow_rays = 0, light_paths_shadowed = 0;
+  std::uint64_t samples = 0, light_paths = 0, shadow_rays = 0, far_side_rays = 0;
+  std::uint64_t samples_negligible = 0, samples_unlit = 0;  ///< not made: no light left; no light reaches the point
+  std::uint64_t from_behind = 0, shadowed = 0, below_layers = 0;  ///< light paths not followed
   std::uint64_t grazing_points = 0;  ///< seen along the plane: the tangent plane stands in, or the least cosine
   int deepest = 0;                   ///< number of layers any march has got to
 
-  MarchCounts& operator+=(const MarchCounts& o) {
-    samples += o.samples, light_paths += o.light_paths, samples_negligible += o.samples_negligible;
-    light_paths_from_behind += o.light_paths_from_behind, grazing_points += o.grazing_points;
-    shadow_rays += o.shadow_rays, light_paths_shadowed += o.light_paths_shadowed;
-    deepest = std::max(deepest, o.deepest);
-    return *this;
-  }
+  /// Each of N + 1 samples at each light, up to where the march ended, is one light path done or not followed.
+  void add(const MarchPoint& p, const MarchResult& result, int samples, std::size_t lights);
+  MarchCounts& operator+=(const MarchCounts& o);
 };
 
-/// Radiance towards the viewer; light l counts if bit l of `visible` is set.
-glm::vec3 march(const FramedPoint& p, const MarchMedium& medium, const std::vector<MarchLight>& lights,
-                std::uint32_t visible, const MarchSettings& settings, MarchCounts& counts);
+/// Marches points of one object, on as many at once as the processor's vectors hold.
+void march(std::span<const MarchPoint> points, const MarchMedium& medium, std::span<const MarchLight> lights,
+           const MarchSettings& settings, MarchResult* results);
 
 }  // namespace opaline

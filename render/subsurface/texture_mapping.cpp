@@ -1,5 +1,6 @@
 #include "render/subsurface/texture_mapping.h"
 
+#include "render/subsurface/far_side.h"
 #include "render/visibility/convexity.h"
 
 #include <fmt/format.h>
@@ -14,7 +15,7 @@ const Material& material_of(const Scene& scene, const Object& object) {
 }
 
 /// Equation 8, for the channel that reaches furthest through the first layer.
-double neighbourhood_radius(const LayerStack& stack, double epsilon, const Mesh& mesh) {
+double neighbourhood_radius(const MediumLayers& stack, double epsilon, const Mesh& mesh) {
   const glm::vec3& sigma_t = stack.sigma_t[0];
   const auto least = static_cast<double>(std::min({sigma_t.x, sigma_t.y, sigma_t.z}));
   glm::dvec3 lo(1e300), hi(-1e300);
@@ -35,6 +36,10 @@ std::vector<SettingSpec> texture_mapping_setting_specs() {
       {"epsilon", "0.05", "of the planes' neighbourhoods: what is left of light after their radius", {}, 1e-6, 0.9},
       {"negligible", "1e-4", "transmittance at which a march ends; 0: it never does", {}, 0, 0.5},
       {"shadows", "traced", "of lights, by one ray from the point seen; off: none, as in the paper", {"traced", "off"}},
+      {"far_side",
+       "traced",
+       "light from behind that comes through, and where the view leaves, by a ray each; none: as in the paper",
+       {"traced", "none"}},
       {"reflection", "off", "light that the surface reflects, glossy", {"off", "on"}},
       {"roughness", "0.3", "of that reflection", {}, 0.02, 1}};
 }
@@ -46,6 +51,7 @@ TextureMappingSettings read_texture_mapping_settings(const Settings& settings) {
   s.march.negligible = static_cast<float>(settings.number("negligible"));
   s.epsilon = settings.number("epsilon");
   s.shadows = settings.word("shadows") == "traced";
+  s.far_side = settings.word("far_side") == "traced";
   s.reflection = settings.word("reflection") == "on";
   s.roughness = static_cast<float>(settings.number("roughness"));
   return s;
@@ -54,6 +60,7 @@ TextureMappingSettings read_texture_mapping_settings(const Settings& settings) {
 MappedScene make_mapped_scene(const Scene& scene, const TextureMappingSettings& settings) {
   MappedScene mapped;
   mapped.lights = march_lights(scene);
+  mapped.settings = settings;
   mapped.unshadowed = !settings.shadows || nothing_in_shadow(scene);
   for (const Object& object : scene.objects) {
     const Material& material = material_of(scene, object);
@@ -72,11 +79,36 @@ MappedScene make_mapped_scene(const Scene& scene, const TextureMappingSettings& 
   return mapped;
 }
 
-std::uint32_t MappedScene::visible(const SharedScene& shared, const VisiblePoint& p, MarchCounts& counts) const {
-  if (unshadowed) return ~0u;
-  const Mesh& mesh = shared.scene.objects[static_cast<std::size_t>(p.object)].mesh;
+MarchPoint MappedScene::point(const SharedScene& shared, const VisiblePoint& p, MarchCounts& counts) const {
+  const auto o = static_cast<std::size_t>(p.object);
+  const Mesh& mesh = shared.scene.objects[o].mesh;
+  const FramedPoint framed = framed_point(mesh, objects[o]->frames, p);
   const glm::vec3 face = surface_point_at(mesh, p.triangle, p.position).face_normal;
-  return visible_lights(shared.rays, p, face, lights, counts.shadow_rays);
+  const std::uint32_t asked = settings.far_side ? facing_lights(framed, face, lights) : ~0u;
+  const std::uint32_t visible =
+      unshadowed ? asked : visible_lights(shared.rays, p, face, lights, asked, counts.shadow_rays);
+  MarchPoint point = march_point(framed, objects[o]->medium, lights, visible);
+  if (settings.far_side)
+    find_far_sides({shared.rays, mesh, p.object, objects[o]->medium, lights, settings.march.negligible, !unshadowed},
+                   ~asked, point, counts.far_side_rays);
+  return point;
+}
+
+Counters MappedScene::named(const MarchCounts& c, const MappedObject& object) {
+  Counters counters;
+  counters.done = {{"march_samples", c.samples},
+                   {"light_paths", c.light_paths},
+                   {"shadow_rays", c.shadow_rays},
+                   {"far_side_rays", c.far_side_rays},
+                   {"grazing_points", c.grazing_points}};
+  const int unreached = c.samples > 0 ? object.medium.stack.count - c.deepest : 0;
+  counters.skipped = {{"march_samples_behind_negligible", c.samples_negligible},
+                      {"march_samples_of_unlit_points", c.samples_unlit},
+                      {"light_paths_from_behind", c.from_behind},
+                      {"light_paths_shadowed", c.shadowed},
+                      {"light_paths_below_layers", c.below_layers},
+                      {"layers_nobody_reaches", static_cast<std::uint64_t>(std::max(0, unreached))}};
+  return counters;
 }
 
 std::string texture_mapping_not_applicable(const Scene& scene) {

@@ -10,6 +10,7 @@ struct TextureMappingSettings {
   MarchSettings march;
   double epsilon = 0.05;  ///< what is left of light after a neighbourhood's radius
   bool shadows = true;
+  bool far_side = true;  ///< is light that comes through from behind looked for?
   bool reflection = false;
   float roughness = 0.3f;
 };
@@ -26,11 +27,14 @@ struct MappedObject {
 struct MappedScene {
   std::vector<std::unique_ptr<MappedObject>> objects;
   std::vector<MarchLight> lights;
+  TextureMappingSettings settings;
   bool unshadowed = false;  ///< nothing can be in shadow, or nobody asks
   Counters counters;
 
-  /// Bits of the lights that a point sees.
-  std::uint32_t visible(const SharedScene& shared, const VisiblePoint& p, MarchCounts& counts) const;
+  /// A visible point ready to march; casts rays where something may be in shadow, and to the far side.
+  MarchPoint point(const SharedScene& shared, const VisiblePoint& p, MarchCounts& counts) const;
+  /// What the marches of an object's points counted, named.
+  static Counters named(const MarchCounts& counts, const MappedObject& object);
 };
 MappedScene make_mapped_scene(const Scene& scene, const TextureMappingSettings& settings);
 

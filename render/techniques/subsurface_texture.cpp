@@ -21,40 +21,41 @@ class PreparedMapping : public PreparedTechnique {
     frame.counters = mapped_.counters;
     std::vector<MarchCounts> counts(mapped_.objects.size());
     std::mutex mutex;
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, view.points.size(), 64), [&](const auto& range) {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, view.points.size(), 256), [&](const auto& range) {
       std::vector<MarchCounts> own(counts.size());
-      for (std::size_t i = range.begin(); i != range.end(); ++i)
-        frame.radiance[i] = radiance(view.points[i], own[static_cast<std::size_t>(view.points[i].object)]);
+      for (std::size_t i = range.begin(), end; i != range.end(); i = end) {
+        const int object = view.points[i].object;
+        for (end = i + 1; end != range.end() && view.points[end].object == object;) ++end;
+        march_points(std::span(view.points).subspan(i, end - i), own[static_cast<std::size_t>(object)],
+                     &frame.radiance[i]);
+      }
       const std::scoped_lock lock(mutex);
       for (std::size_t o = 0; o < own.size(); ++o) counts[o] += own[o];
     });
-    for (std::size_t o = 0; o < counts.size(); ++o) add_counts(counts[o], *mapped_.objects[o], frame.counters);
+    for (std::size_t o = 0; o < counts.size(); ++o)
+      frame.counters += MappedScene::named(counts[o], *mapped_.objects[o]);
     return frame;
   }
 
  private:
-  glm::vec3 radiance(const VisiblePoint& v, MarchCounts& counts) const {
-    const auto o = static_cast<std::size_t>(v.object);
-    const MappedObject& object = *mapped_.objects[o];
-    const FramedPoint p = framed_point(shared_.scene.objects[o].mesh, object.frames, v);
-    const std::uint32_t visible = mapped_.visible(shared_, v, counts);
-    glm::vec3 sum = march(p, object.medium, mapped_.lights, visible, settings_.march, counts);
-    for (std::size_t l = 0; l < mapped_.lights.size() && settings_.reflection; ++l)
-      if (visible >> l & 1) sum += gloss(p, mapped_.lights[l], object.reflectance, settings_.roughness);
-    return sum;
+  /// Points of one object.
+  void march_points(std::span<const VisiblePoint> points, MarchCounts& counts, glm::vec3* radiance) const {
+    const MappedObject& object = *mapped_.objects[static_cast<std::size_t>(points[0].object)];
+    std::vector<MarchPoint> ready;
+    for (const VisiblePoint& p : points) ready.push_back(mapped_.point(shared_, p, counts));
+    std::vector<MarchResult> results(points.size());
+    march(ready, object.medium, mapped_.lights, settings_.march, results.data());
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      counts.add(ready[i], results[i], settings_.march.samples, mapped_.lights.size());
+      radiance[i] = results[i].radiance + reflected(ready[i], object);
+    }
   }
 
-  static void add_counts(const MarchCounts& c, const MappedObject& object, Counters& counters) {
-    counters.done["march_samples"] += c.samples;
-    counters.done["light_paths"] += c.light_paths;
-    counters.done["shadow_rays"] += c.shadow_rays;
-    counters.done["grazing_points"] += c.grazing_points;
-    counters.skipped["march_samples_behind_negligible"] += c.samples_negligible;
-    counters.skipped["light_paths_from_behind"] += c.light_paths_from_behind;
-    counters.skipped["light_paths_shadowed"] += c.light_paths_shadowed;
-    if (c.samples > 0)
-      counters.skipped["layers_nobody_reaches"] +=
-          static_cast<std::uint64_t>(std::max(0, object.medium.stack.count - c.deepest));
+  glm::vec3 reflected(const MarchPoint& p, const MappedObject& object) const {
+    glm::vec3 sum(0);
+    for (std::size_t l = 0; l < mapped_.lights.size() && settings_.reflection; ++l)
+      if (p.visible >> l & 1) sum += gloss(p, mapped_.lights[l], object.reflectance, settings_.roughness);
+    return sum;
   }
 
   const SharedScene& shared_;
@@ -75,8 +76,8 @@ Technique subsurface_texture_technique() {
       .citation = "Francois, Pattanaik, Bouatouch, Breton 2006, \"Subsurface Texture Mapping\"",
       .backends = {"cpu", "gpu"},
       .limits =
-          "materials with layers; directional and point lights without extent; no refraction; light that comes from "
-          "behind the surface's planes, as through a thin fin, is missing",
+          "materials with layers; directional and point lights without extent; no refraction; a plane for the surface, "
+          "and one where light comes through from behind: wrong where the surface bends within the light's reach",
       .settings = texture_mapping_setting_specs(),
       .invalidated_by = {.camera = false, .light = true, .material = true, .geometry = true},
       .not_applicable = texture_mapping_not_applicable,

@@ -35,6 +35,58 @@ std::unique_ptr<Texture2D> depth_texture(const gl::Context& context, const Surfa
                                      : gl::Wrap::clamp);
 }
 
+/// What march.glsl wants to be given: its words in GLSL, and the scene's sizes and uniforms.
+std::string given_source(const MarchMedium& medium, std::size_t lights, const MarchSettings& march, bool reflection) {
+  constexpr const char* words = R"(
+#define Real float
+#define Real2 vec2
+#define Real3 vec3
+#define Mask bool
+#define Bits int
+#define FORMULA
+#define IN(type) type
+#define INOUT(type) inout type
+const int most_layers = layers, most_lights = lights;
+uniform vec3 light_place[lights], light_power[lights];
+uniform float light_far[lights];
+uniform vec3 sigma_s[layers + 1], sigma_t[layers + 1];
+uniform vec4 phase_of[layers + 1];
+uniform float largest_depth, negligible;
+struct Depths {
+  float of[layers];
+};
+struct FarSide {
+  vec3 normal;
+  float height;
+  vec2 uv;
+};
+uniform sampler2D far_sides;  // blocks as large as the film: of each light the normal and height, then uv
+const int across = min(2 * lights, 8), down = (2 * lights + across - 1) / across;
+vec4 far_texel(int block) {
+  ivec2 size = textureSize(far_sides, 0) / ivec2(across, down);
+  return texelFetch(far_sides, ivec2(gl_FragCoord.xy) + size * ivec2(block % across, block / across), 0);
+}
+FarSide far_side(int l) {
+  vec4 plane = far_texel(2 * l);
+  return FarSide(plane.xyz, plane.w, far_texel(2 * l + 1).xy);
+}
+float exit_cosine() { return far_texel(1).z; }
+bool sees(int bits, int l) { return (bits >> l & 1) != 0; }
+bool sees_any(int bits) { return bits != 0; }
+bool some(bool m) { return m; }
+float choose(bool m, float a, float b) { return m ? a : b; }
+vec2 choose(bool m, vec2 a, vec2 b) { return m ? a : b; }
+vec3 choose(bool m, vec3 a, vec3 b) { return m ? a : b; }
+vec3 exp_minus(vec3 x) { return exp(-x); }
+float inverse_root(float x) { return inversesqrt(x); }
+)";
+  return fmt::format(
+             "const int layers = {}, lights = {}, samples = {};\nconst bool by_pieces = {}, reflection = {};\n"
+             "const float least_view_cosine = {};\n",
+             medium.stack.count, lights, march.samples, march.by_pieces, reflection, least_view_cosine) +
+         words;
+}
+
 /// Source of `boundaries`: one look-up for each texture, then each layer's channel, none less than the one above.
 std::string boundaries_source(const MarchMedium& medium) {
   std::string text, read, names = "rgba";
@@ -44,34 +96,54 @@ std::string boundaries_source(const MarchMedium& medium) {
     if (texture != have) {
       text += fmt::format("uniform sampler2D depths_{};\n", texture);
       read += fmt::format("  vec4 t{0} = textureLod(depths_{0}, uv, 0.0) * {1:.9e};\n", texture,
-                          medium.textures->depth_scale);
+                          medium.source->depth_scale);
       have = texture;
     }
-    read += fmt::format("  depth[{}] = max({}, t{}.{});\n", i, i == 0 ? "0.0" : fmt::format("depth[{}]", i - 1),
-                        texture, names[static_cast<std::size_t>(k % 4)]);
+    read += fmt::format("  d.of[{}] = max({}, t{}.{});\n", i, i == 0 ? "0.0" : fmt::format("d.of[{}]", i - 1), texture,
+                        names[static_cast<std::size_t>(k % 4)]);
   }
-  return text + "void boundaries(vec2 uv, out float depth[layers]) {\n" + read + "}\n";
+  return text + "Depths boundaries(vec2 uv) {\n  Depths d;\n" + read + "  return d;\n}\n";
 }
 
 /// The points of an object, a texel each, field by field.
 struct PointImages {
-  int height = 0;
-  std::vector<float> fields[6];
+  int height = 0, across = 0, down = 0;  ///< the last field has so many blocks of the others' size
+  std::vector<float> fields[7];
 
-  explicit PointImages(std::size_t points) : height(static_cast<int>((points + row - 1) / row)) {
+  PointImages(std::size_t points, std::size_t lights)
+      : height(static_cast<int>((points + row - 1) / row)),
+        across(std::min(2 * static_cast<int>(lights), 8)),
+        down((2 * static_cast<int>(lights) + across - 1) / across) {
     for (std::vector<float>& f : fields) f.assign(4 * static_cast<std::size_t>(row * height), 0.0f);
+    fields[6].assign(fields[0].size() * static_cast<std::size_t>(across * down), 0.0f);
   }
-  void put(std::size_t i, const FramedPoint& p, std::uint32_t visible) {
+  /// Texel i of a block of the last field.
+  float* far_texel(std::size_t block, std::size_t i) {
+    const auto wide = static_cast<std::size_t>(across), high = static_cast<std::size_t>(height),
+               line = std::size_t{row};
+    const std::size_t x = i % line + block % wide * line, y = i / line + block / wide * high;
+    return &fields[6][4 * (y * wide * line + x)];
+  }
+  void put(std::size_t i, const MarchPoint& p) {
     const auto texel = [&](int field, const glm::vec3& v, float w) {
       std::copy_n(&v.x, 3, &fields[field][4 * i]);
       fields[field][4 * i + 3] = w;
     };
-    texel(0, p.position, 1), texel(1, p.normal, p.plane_height), texel(2, p.plane_normal, p.uv.x);
-    texel(3, p.gradient_u, p.uv.y), texel(4, p.gradient_v, static_cast<float>(visible)), texel(5, p.w_o, 0);
+    texel(0, p.position, p.exit), texel(1, p.normal, p.plane_height), texel(2, p.plane_normal, p.uv.x);
+    texel(3, p.gradient_u, p.uv.y), texel(4, p.gradient_v, static_cast<float>(p.lights));
+    texel(5, p.w_o, static_cast<float>(p.visible));
+    for (std::size_t l = 0; l < p.far.size(); ++l) {
+      const FarSide& side = p.far[l];
+      float *plane = far_texel(2 * l, i), *uv = far_texel(2 * l + 1, i);
+      std::copy_n(&side.normal.x, 3, plane);
+      plane[3] = side.height, uv[0] = side.uv.x, uv[1] = side.uv.y;
+    }
+    far_texel(1, i)[2] = p.exit_cosine;
   }
 };
 
-constexpr const char* field_names[6] = {"positions", "normals", "plane_normals", "gradients_u", "gradients_v", "views"};
+constexpr const char* field_names[7] = {"positions",   "normals", "plane_normals", "gradients_u",
+                                        "gradients_v", "views",   "far_sides"};
 
 class GlMapping : public PreparedTechnique {
  public:
@@ -84,7 +156,7 @@ class GlMapping : public PreparedTechnique {
     for (const auto& object : mapped_.objects) {
       programs_.push_back(make_program(*object));
       textures_.emplace_back();
-      for (const SurfaceTexture& texture : object->medium.textures->depths)
+      for (const SurfaceTexture& texture : object->medium.source->depths)
         textures_.back().push_back(depth_texture(context, texture));
     }
   }
@@ -102,49 +174,49 @@ class GlMapping : public PreparedTechnique {
 
  private:
   std::unique_ptr<gl::Program> make_program(const MappedObject& object) const {
-    const std::string constants =
-        fmt::format("const int layers = {}, lights = {}, samples = {};\nconst bool by_pieces = {}, reflection = {};\n",
-                    object.medium.stack.count, std::max<std::size_t>(1, mapped_.lights.size()), settings_.march.samples,
-                    settings_.march.by_pieces, settings_.reflection);
+    const std::string given = given_source(object.medium, std::max<std::size_t>(1, mapped_.lights.size()),
+                                           settings_.march, settings_.reflection);
     return std::make_unique<gl::Program>(
         context_, std::vector<gl::Stage>{{gl::StageKind::vertex, {gl::shader_file("render/gl/fullscreen.vert")}},
                                          {gl::StageKind::fragment,
-                                          {{"constants", constants},
+                                          {{"given", given},
                                            {"boundaries", boundaries_source(object.medium)},
+                                           gl::shader_file("render/subsurface/march.glsl"),
                                            gl::shader_file("render/techniques/subsurface_texture.frag")}}});
   }
 
   void render_object(std::size_t o, const GBuffer& view, const std::vector<std::uint32_t>& indices,
                      Frame& frame) const {
-    PointImages images(indices.size());
-    std::vector<std::uint64_t> rays(indices.size());
+    PointImages images(indices.size(), mapped_.lights.size());
+    std::vector<MarchPoint> points(indices.size());
+    std::vector<MarchCounts> rays(indices.size());
     tbb::parallel_for(std::size_t{0}, indices.size(), [&](std::size_t i) {
-      const VisiblePoint& p = view.points[indices[i]];
-      MarchCounts counts;
-      const std::uint32_t visible = mapped_.visible(shared_, p, counts) & ((1u << mapped_.lights.size()) - 1);
-      rays[i] = counts.shadow_rays;
-      images.put(i, framed_point(shared_.scene.objects[o].mesh, mapped_.objects[o]->frames, p), visible);
+      points[i] = mapped_.point(shared_, view.points[indices[i]], rays[i]);
+      images.put(i, points[i]);
     });
-    for (const std::uint64_t n : rays) frame.counters.done["shadow_rays"] += n;
-    const Texture2D out(context_, row, images.height, Format::rgba32f);
-    draw(o, images, out);
-    const std::vector<float> result = out.read();
-    double steps = 0;
+    const Texture2D radiance(context_, row, images.height, Format::rgba32f),
+        steps(context_, row, images.height, Format::rgba32f);
+    draw(o, images, {&radiance, &steps});
+    const std::vector<float> light = radiance.read(), made = steps.read();
+    MarchCounts counts;
     for (std::size_t i = 0; i < indices.size(); ++i) {
-      frame.radiance[indices[i]] = glm::vec3(result[4 * i], result[4 * i + 1], result[4 * i + 2]);
-      steps += static_cast<double>(result[4 * i + 3]);
+      const float *l = &light[4 * i], *c = &made[4 * i];
+      frame.radiance[indices[i]] = {l[0], l[1], l[2]};
+      counts.add(points[i], {{}, c[0], c[1], c[2], c[3]}, settings_.march.samples, mapped_.lights.size());
+      counts += rays[i];
     }
-    const auto done = static_cast<std::uint64_t>(steps);
-    frame.counters.done["march_samples"] += done;
-    frame.counters.skipped["march_samples_behind_negligible"] +=
-        indices.size() * static_cast<std::uint64_t>(settings_.march.samples) - done;
+    frame.counters += MappedScene::named(counts, *mapped_.objects[o]);
   }
 
-  void draw(std::size_t o, const PointImages& images, const Texture2D& out) const {
+  void draw(std::size_t o, const PointImages& images, const std::array<const Texture2D*, 2>& targets) const {
     const gl::Program& program = *programs_[o];
     std::vector<std::unique_ptr<Texture2D>> fields;
-    for (const std::vector<float>& field : images.fields)
-      fields.push_back(std::make_unique<Texture2D>(context_, row, images.height, Format::rgba32f, field.data()));
+    for (const std::vector<float>& field : images.fields) {
+      const bool last = &field == &images.fields[6];
+      fields.push_back(std::make_unique<Texture2D>(context_, last ? row * images.across : row,
+                                                   last ? images.height * images.down : images.height, Format::rgba32f,
+                                                   field.data()));
+    }
     int unit = 0;  // making a texture binds it to whatever unit was last in use: so all are made before
     for (const char* name : field_names) {
       fields[static_cast<std::size_t>(unit)]->bind(static_cast<unsigned>(unit));
@@ -155,7 +227,6 @@ class GlMapping : public PreparedTechnique {
       program.set(fmt::format("depths_{}", j).c_str(), unit++);
     }
     set_medium(program, *mapped_.objects[o]);
-    const Texture2D* targets[] = {&out};
     const gl::Framebuffer target(context_, targets);
     target.bind();
     program.use();
@@ -167,11 +238,11 @@ class GlMapping : public PreparedTechnique {
     const auto set = [&](const char* name, std::size_t i, const auto& value) {
       program.set(fmt::format("{}[{}]", name, i).c_str(), value);
     };
-    const LayerStack& stack = object.medium.stack;
+    const MediumLayers& stack = object.medium.stack;
     for (std::size_t k = 0; k <= static_cast<std::size_t>(stack.count); ++k) {
       set("sigma_s", k, stack.sigma_s[k]);
       set("sigma_t", k, stack.sigma_t[k]);
-      set("phase_of", k, glm::vec2(stack.g[k], stack.schlick[k] ? 1 : 0));
+      set("phase_of", k, object.medium.phases[k]);
     }
     for (std::size_t l = 0; l < mapped_.lights.size(); ++l) {
       set("light_place", l, mapped_.lights[l].place);
@@ -180,7 +251,6 @@ class GlMapping : public PreparedTechnique {
     }
     program.set("largest_depth", object.medium.largest_depth);
     program.set("negligible", settings_.march.negligible);
-    program.set("least_view_cosine", least_view_cosine);
     program.set("f0", object.reflectance);
     program.set("roughness", settings_.roughness);
   }

@@ -1,6 +1,7 @@
 // Running a suite: what a record holds, what is not measured twice, and what happens to cells that can't be done.
 #include "validate/matrix.h"
 
+#include "datasets_synthetic/shapes/shapes.h"
 #include "tests/validate/validate_fixture.h"
 #include "validate/metrics/metric.h"
 #include "validate/shared_file.h"
@@ -155,6 +156,32 @@ TEST(Matrix, AnExternalRendererIsJudgedByTheSameReference) {
   EXPECT_EQ(summary.records[1].status, CellStatus::failed);
   EXPECT_THAT(summary.records[1].reason, testing::AllOf(HasSubstr("exit code 7"), HasSubstr("no licence")));
   EXPECT_THAT(summary.records[2].reason, HasSubstr("wrote no"));
+}
+
+TEST(Matrix, LayeredDatasetsAreWrittenAndJudgedByExactSingleScattering) {
+  test::TempFolder folder;
+  json suite = test::tiny_suite();
+  suite["scenes"] = {{{"name", "fish"}, {"recipe", "fish_layers"}, {"film", {{"width", 8}, {"height", 4}}}}};
+  suite["techniques"] = {"subsurface_texture", "brute_force"};
+  suite["layered_reference"] = {{"max_relative_error", "0.1"}};
+  suite["edits"] = {"material", "geometry"};
+  suite.erase("sweeps");
+  RunOptions options;
+  options.folder = folder.file("out");
+  const RunSummary summary = run_suite(parse_suite(suite, "tiny.json"), options, synthetic_shapes());
+  EXPECT_TRUE(fs::exists(folder.file("out") + "/scenes/fish_layers/depths.exr"));
+  ASSERT_EQ(summary.records.size(), 2u);
+  for (const Record& r : summary.records) {
+    if (r.technique == "brute_force") {
+      EXPECT_EQ(r.status, CellStatus::not_applicable);
+      continue;
+    }
+    ASSERT_EQ(r.status, CellStatus::done) << r.reason;
+    EXPECT_LT(r.error.at("relative_rmse"), 0.2);
+    EXPECT_GT(r.error.at("relative_rmse"), 1e-4) << "not itself";
+    EXPECT_GT(r.reference.certified_max, 0);
+    EXPECT_EQ(r.seconds.edits.size(), 2u);
+  }
 }
 
 }  // namespace

@@ -38,6 +38,8 @@ TEST(Suite, RefusesWhatIsWrongAndSaysWhere) {
   EXPECT_THAT(refusal("/scenes/1/name", "front"), HasSubstr("two scenes"));
   EXPECT_THAT(refusal("/scenes/1/name", "a b"), HasSubstr("letters, digits"));
   EXPECT_THAT(refusal("/scenes/1/recipe", "bust_skin1"), HasSubstr("exactly one"));
+  EXPECT_THAT(refusal("/scenes/0", {{"name", "a"}, {"recipe", "fish_layer"}}), HasSubstr("fish_layers"));
+  EXPECT_THAT(refusal("/layered_reference", {{"paths", 3}}), HasSubstr("max_relative_error"));
   EXPECT_THAT(refusal("/scenes/0/materials/0", 3), HasSubstr("/scenes/0/materials"));
   EXPECT_THAT(refusal("/version", 2), HasSubstr("/version"));
   EXPECT_THAT(test::message_of([] { find_suite("quik"); }), AllOf(HasSubstr("quick"), HasSubstr(".json")));
