@@ -13,8 +13,6 @@
 namespace opaline {
 namespace {
 
-constexpr const char* transport = "transport_table";
-
 /// Do two profiles have the same values wherever the operator looks?
 bool same_values(const TransportOperator& op, const ProfileInfo& a, const ProfileInfo& b, const Material& material) {
   for (int c = 0; c < 3; ++c) {
@@ -49,7 +47,17 @@ Disagreement largest_disagreement(const Uncertainty& model, const Uncertainty& t
   return worst;
 }
 
+/// Why a profile is left out, or nothing.
+std::string not_comparable(const ProfileInfo& profile, const std::string& chosen) {
+  if (profile.depends_on_direction) return "depends on the direction of the light";
+  if (!profile.depends_on_medium) return "does not depend on the medium";
+  if (profile.radiance && profile.name != chosen) return "for flat objects lit and seen straight on";
+  return {};
+}
+
 void warn(ModelComparison& comparison, const std::string& chosen) {
+  const ProfileInfo* info = find_profile(chosen);
+  const std::string transport = info != nullptr && info->radiance ? chosen : "transport_table";
   const ModelFit* truth = nullptr;
   for (const ModelFit& m : comparison.models)
     if (m.name == transport) truth = &m;
@@ -87,10 +95,8 @@ ModelComparison compare_models(const std::vector<FitTarget>& targets, const std:
   std::vector<const ProfileInfo*> fitted;
   for (const std::string& name : medium_profile_names()) {
     const ProfileInfo& profile = *find_profile(name);
-    if (profile.depends_on_direction || !profile.depends_on_medium) {
-      out.left_out.push_back(
-          name + ": " +
-          (profile.depends_on_direction ? "depends on the direction of the light" : "does not depend on the medium"));
+    if (const std::string why = not_comparable(profile, chosen); !why.empty()) {
+      out.left_out.push_back(name + ": " + why);
       continue;
     }
     ModelFit model;

@@ -18,11 +18,12 @@
 namespace opaline {
 
 struct FitJob {
-  std::vector<std::string> scenes;   ///< one for all targets, or one per target
-  std::vector<std::string> targets;  ///< pictures, channels R, G, B or one alone
-  std::vector<std::string> masks;    ///< none, one for all, or one per target; first channel > 0: use
-  std::string material;              ///< which of the scene's materials; empty: the only one in use
-  std::string model = "transport_table";
+  std::vector<std::string> scenes;        ///< one for all targets, or one per target
+  std::vector<std::string> targets;       ///< pictures, channels R, G, B or one alone
+  std::vector<std::string> masks;         ///< none, one for all, or one per target; first channel > 0: use
+  std::string material;                   ///< which of the scene's materials; empty: the only one in use
+  std::string model = "transport_table";  ///< in the report: the one that was fitted
+  bool exitance_only = false;        ///< transport_table stays exitance where its radiance is known (straight_view.h)
   TargetOptions reading;             ///< of every target; its mask, exposure and repeat come from the lists here
   std::vector<double> exposures;     ///< none, one for all, or one per target
   std::vector<std::string> repeats;  ///< second captures: none, or one per target
