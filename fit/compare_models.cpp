@@ -6,6 +6,7 @@
 #include "render/stopwatch.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -104,14 +105,17 @@ ModelComparison compare_models(const std::vector<FitTarget>& targets, const std:
     for (const ProfileInfo* other : fitted)
       if (model.same_as.empty() && same_values(targets.front().op, profile, *other, material))
         model.same_as = other->name;
-    if (model.same_as.empty()) {
-      fitted.push_back(&profile);
-      const bool own = name == chosen;
-      model.solution = own ? solution : solve(targets, profile, material, few);
-      model.uncertainty = own ? chosen_uncertainty : uncertainty(model.solution, settings.free);
-    }
+    if (model.same_as.empty()) fitted.push_back(&profile);
     out.models.push_back(std::move(model));
   }
+  // Each model on its own: few starts alone would leave processors idle.
+  tbb::parallel_for(std::size_t{0}, out.models.size(), [&](std::size_t i) {
+    ModelFit& model = out.models[i];
+    if (!model.same_as.empty()) return;
+    const bool own = model.name == chosen;
+    model.solution = own ? solution : solve(targets, *find_profile(model.name), material, few);
+    model.uncertainty = own ? chosen_uncertainty : uncertainty(model.solution, settings.free);
+  });
   const double n = count_of(targets);
   double best = HUGE_VAL;
   for (ModelFit& m : out.models) {

@@ -276,8 +276,12 @@ FitReport run_fit(const FitJob& job, const ShapeLibrary& shapes,
   std::string form;
   const ProfileInfo& profile = solve_for_profile(job, loaded, targets, initial, report, form);
   examine(job, targets, profile, stage, report);
-  if (!form.empty()) report.uncertainty.notes.push_back(form);
   report.material = to_material(report.solution.parameters, initial, job.solve.free);
+  if (!form.empty()) report.uncertainty.notes.push_back(form);
+  if (profile.name == "transport_table" || profile.radiance) {
+    report.surface = surface_bias(surface_shape(*loaded.front().scene, loaded.front().material), report.material);
+    if (!report.surface->note.empty()) report.uncertainty.notes.push_back(report.surface->note);
+  }
   stage("check");
   for (std::size_t i = 0; i < targets.size(); ++i) {
     report.targets.push_back(describe(job, loaded[i], targets[i], i, profile, report));

@@ -6,6 +6,7 @@
 #include "fit/compare_models.h"
 #include "fit/diagnosis.h"
 #include "fit/solve.h"
+#include "fit/surface_bias.h"
 #include "fit/target_picture.h"
 #include "fit/uncertainty.h"
 #include "render/scene/scene.h"
@@ -62,6 +63,7 @@ struct FitReport {
   Uncertainty uncertainty;
   std::vector<FittedTarget> targets;
   Diagnosis diagnosis;
+  std::optional<SurfaceBias> surface;  ///< of the first scene; of fits with transport only
   std::optional<ModelComparison> comparison;
   std::optional<Bootstrap> repetitions;
   std::vector<Advice> advice;
