@@ -31,8 +31,9 @@ TEST(StraightView, IsTheLargestAngleOfViewAndLight) {
   EXPECT_NEAR(off_straight_deg(scene_of(document), 0), 1.43, 0.2);
   document["lights"][0]["position"] = {28.3, 0, 28.3};
   EXPECT_NEAR(off_straight_deg(scene_of(document), 0), 45, 2);
-  document["camera"]["position"] = {5, 0, 1};
-  EXPECT_NEAR(off_straight_deg(scene_of(document), 0), std::atan(5.0) * 180 / pi, 2);
+  document["lights"][0]["position"] = {0, 0, 40};
+  document["camera"]["position"] = {5, 0, 10};
+  EXPECT_NEAR(off_straight_deg(scene_of(document), 0), std::atan(.5) * 180 / pi, 0.1);
   document["lights"] = {{{"type", "directional"}, {"direction", {0, 0, 1}}, {"irradiance", 1}}};
   document["camera"]["position"] = {0, 0, 5};
   EXPECT_NEAR(off_straight_deg(scene_of(document), 0), 0, 1e-3) << "light from below falls on another side";
