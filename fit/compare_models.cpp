@@ -6,14 +6,13 @@
 #include "render/stopwatch.h"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
 namespace opaline {
 namespace {
-
-constexpr const char* transport = "transport_table";
 
 /// Do two profiles have the same values wherever the operator looks?
 bool same_values(const TransportOperator& op, const ProfileInfo& a, const ProfileInfo& b, const Material& material) {
@@ -49,7 +48,17 @@ Disagreement largest_disagreement(const Uncertainty& model, const Uncertainty& t
   return worst;
 }
 
+/// Why a profile is left out, or nothing.
+std::string not_comparable(const ProfileInfo& profile, const std::string& chosen) {
+  if (profile.depends_on_direction) return "depends on the direction of the light";
+  if (!profile.depends_on_medium) return "does not depend on the medium";
+  if (profile.radiance && profile.name != chosen) return "for flat objects lit and seen straight on";
+  return {};
+}
+
 void warn(ModelComparison& comparison, const std::string& chosen) {
+  const ProfileInfo* info = find_profile(chosen);
+  const std::string transport = info != nullptr && info->radiance ? chosen : "transport_table";
   const ModelFit* truth = nullptr;
   for (const ModelFit& m : comparison.models)
     if (m.name == transport) truth = &m;
@@ -87,10 +96,8 @@ ModelComparison compare_models(const std::vector<FitTarget>& targets, const std:
   std::vector<const ProfileInfo*> fitted;
   for (const std::string& name : medium_profile_names()) {
     const ProfileInfo& profile = *find_profile(name);
-    if (profile.depends_on_direction || !profile.depends_on_medium) {
-      out.left_out.push_back(
-          name + ": " +
-          (profile.depends_on_direction ? "depends on the direction of the light" : "does not depend on the medium"));
+    if (const std::string why = not_comparable(profile, chosen); !why.empty()) {
+      out.left_out.push_back(name + ": " + why);
       continue;
     }
     ModelFit model;
@@ -98,14 +105,17 @@ ModelComparison compare_models(const std::vector<FitTarget>& targets, const std:
     for (const ProfileInfo* other : fitted)
       if (model.same_as.empty() && same_values(targets.front().op, profile, *other, material))
         model.same_as = other->name;
-    if (model.same_as.empty()) {
-      fitted.push_back(&profile);
-      const bool own = name == chosen;
-      model.solution = own ? solution : solve(targets, profile, material, few);
-      model.uncertainty = own ? chosen_uncertainty : uncertainty(model.solution, settings.free);
-    }
+    if (model.same_as.empty()) fitted.push_back(&profile);
     out.models.push_back(std::move(model));
   }
+  // Each model on its own: few starts alone would leave processors idle.
+  tbb::parallel_for(std::size_t{0}, out.models.size(), [&](std::size_t i) {
+    ModelFit& model = out.models[i];
+    if (!model.same_as.empty()) return;
+    const bool own = model.name == chosen;
+    model.solution = own ? solution : solve(targets, *find_profile(model.name), material, few);
+    model.uncertainty = own ? chosen_uncertainty : uncertainty(model.solution, settings.free);
+  });
   const double n = count_of(targets);
   double best = HUGE_VAL;
   for (ModelFit& m : out.models) {

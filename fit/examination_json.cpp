@@ -67,6 +67,15 @@ json bootstrap_json(const Bootstrap& b, const json& names) {
   return {{"repetitions", b.draws.rows()}, {"failed", b.failed}, {"parameters", parameters}, {"seconds", b.seconds}};
 }
 
+json surface_json(const SurfaceBias& s) {
+  return {{"radius_mm", number(s.shape.radius_mm)},
+          {"mean_incidence_deg", number(s.shape.incidence_deg)},
+          {"radius_transport_mfp", {number(s.radius_mfp[0]), number(s.radius_mfp[1]), number(s.radius_mfp[2])}},
+          {"measured_with", s.side_light ? "side light" : "a beam along the normal"},
+          {"expected_error_sigma_a", s.sigma_a},
+          {"expected_error_sigma_s_prime", s.sigma_s_prime}};
+}
+
 json advice_json(const std::vector<Advice>& advice) {
   json rows = json::array();
   for (const Advice& a : advice) {

@@ -3,6 +3,7 @@
 #include "fit/profile_interval.h"
 #include "fit/reduced_picture.h"
 #include "fit/residual_structure.h"
+#include "fit/straight_view.h"
 #include "render/choices.h"
 #include "render/input_error.h"
 #include "render/stopwatch.h"
@@ -211,6 +212,27 @@ void examine(const FitJob& job, const std::vector<FitTarget>& targets, const Pro
   report.repetitions = bootstrap(problem, s, job.bootstrap, job.solve.seed);
 }
 
+/// The profile, and with it report.solution; a second form of transport is tried where all targets are straight on.
+const ProfileInfo& solve_for_profile(const FitJob& job, const std::vector<Loaded>& loaded,
+                                     const std::vector<FitTarget>& targets, const Material& initial, FitReport& report,
+                                     std::string& note) {
+  const ProfileInfo& profile = model_of(job);
+  report.solution = solve(targets, profile, initial, report.job.solve);
+  report.solve_seconds += report.solution.seconds;
+  if (job.model != "transport_table" || job.exitance_only) return profile;
+  double off = 0;
+  for (std::size_t i = 0; i < loaded.size() && off <= straight_within_deg; ++i)
+    if (i == 0 || loaded[i].scene != loaded[i - 1].scene)
+      off = std::max(off, off_straight_deg(*loaded[i].scene, loaded[i].material));
+  if (off > straight_within_deg) return profile;
+  TransportForm form = preferred_form(targets, initial, report.job.solve, std::move(report.solution), off);
+  report.solution = std::move(form.solution);
+  report.solve_seconds += report.solution.seconds;
+  report.job.model = form.profile->name;
+  note = form.note;
+  return *form.profile;
+}
+
 /// What the residual says against the fit, whatever its size.
 void add_residual_notes(FitReport& report) {
   std::vector<std::string>& notes = report.uncertainty.notes;
@@ -241,7 +263,7 @@ FitReport run_fit(const FitJob& job, const ShapeLibrary& shapes,
     if (progress) progress(name);
   };
   check_counts(job);
-  const ProfileInfo& profile = model_of(job);
+  model_of(job);  // a wrong name ends before the work
   Stopwatch total;
   stage("load");
   const std::vector<Loaded> loaded = load_scenes(job, shapes);
@@ -251,10 +273,15 @@ FitReport run_fit(const FitJob& job, const ShapeLibrary& shapes,
   const std::vector<FitTarget> targets = make_targets(job, loaded, pictures, report, stage);
   stage("solve");
   const Material& initial = loaded.front().scene->materials[static_cast<std::size_t>(loaded.front().material)];
-  report.solution = solve(targets, profile, initial, report.job.solve);
-  report.solve_seconds += report.solution.seconds;
+  std::string form;
+  const ProfileInfo& profile = solve_for_profile(job, loaded, targets, initial, report, form);
   examine(job, targets, profile, stage, report);
   report.material = to_material(report.solution.parameters, initial, job.solve.free);
+  if (!form.empty()) report.uncertainty.notes.push_back(form);
+  if (profile.name == "transport_table" || profile.radiance) {
+    report.surface = surface_bias(surface_shape(*loaded.front().scene, loaded.front().material), report.material);
+    if (!report.surface->note.empty()) report.uncertainty.notes.push_back(report.surface->note);
+  }
   stage("check");
   for (std::size_t i = 0; i < targets.size(); ++i) {
     report.targets.push_back(describe(job, loaded[i], targets[i], i, profile, report));
@@ -265,7 +292,7 @@ FitReport run_fit(const FitJob& job, const ShapeLibrary& shapes,
   if (job.compare_models) {
     stage("compare");
     report.comparison =
-        compare_models(targets, job.model, report.solution, report.uncertainty, report.material, job.solve);
+        compare_models(targets, profile.name, report.solution, report.uncertainty, report.material, job.solve);
   }
   if (job.advise) {
     stage("advise");

@@ -6,6 +6,7 @@
 #include "fit/compare_models.h"
 #include "fit/diagnosis.h"
 #include "fit/solve.h"
+#include "fit/surface_bias.h"
 #include "fit/target_picture.h"
 #include "fit/uncertainty.h"
 #include "render/scene/scene.h"
@@ -18,11 +19,12 @@
 namespace opaline {
 
 struct FitJob {
-  std::vector<std::string> scenes;   ///< one for all targets, or one per target
-  std::vector<std::string> targets;  ///< pictures, channels R, G, B or one alone
-  std::vector<std::string> masks;    ///< none, one for all, or one per target; first channel > 0: use
-  std::string material;              ///< which of the scene's materials; empty: the only one in use
-  std::string model = "transport_table";
+  std::vector<std::string> scenes;        ///< one for all targets, or one per target
+  std::vector<std::string> targets;       ///< pictures, channels R, G, B or one alone
+  std::vector<std::string> masks;         ///< none, one for all, or one per target; first channel > 0: use
+  std::string material;                   ///< which of the scene's materials; empty: the only one in use
+  std::string model = "transport_table";  ///< in the report: the one that was fitted
+  bool exitance_only = false;        ///< transport_table stays exitance where its radiance is known (straight_view.h)
   TargetOptions reading;             ///< of every target; its mask, exposure and repeat come from the lists here
   std::vector<double> exposures;     ///< none, one for all, or one per target
   std::vector<std::string> repeats;  ///< second captures: none, or one per target
@@ -61,6 +63,7 @@ struct FitReport {
   Uncertainty uncertainty;
   std::vector<FittedTarget> targets;
   Diagnosis diagnosis;
+  std::optional<SurfaceBias> surface;  ///< of the first scene; of fits with transport only
   std::optional<ModelComparison> comparison;
   std::optional<Bootstrap> repetitions;
   std::vector<Advice> advice;

@@ -63,7 +63,7 @@ std::unique_ptr<ceres::Problem> FitProblem::build(FitPoint& at, int held) const 
 
 FitEnd FitProblem::minimise(const FitPoint& from, int held) const { return run(from, held, 1e-15); }
 
-FitEnd FitProblem::minimise_quickly(const FitPoint& from) const { return run(from, -1, 1e-10); }
+FitEnd FitProblem::minimise_quickly(const FitPoint& from, int held) const { return run(from, held, 1e-10); }
 
 FitEnd FitProblem::run(const FitPoint& from, int held, double function_tolerance) const {
   FitEnd end{from};

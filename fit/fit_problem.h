@@ -34,7 +34,7 @@ class FitProblem {
   /// Runs Levenberg-Marquardt from `from`. `held` keeps one more parameter where it is (-1: none).
   FitEnd minimise(const FitPoint& from, int held = -1) const;
   /// The same to a ten-thousandth of a standard deviation: for repetitions, from a point near the minimum.
-  FitEnd minimise_quickly(const FitPoint& from) const;
+  FitEnd minimise_quickly(const FitPoint& from, int held = -1) const;
   /// The same problem with other data, whitened: a repetition of the measurement. They must outlive it.
   FitProblem with_data(const std::vector<Eigen::VectorXd>& y) const;
   /// What the whitened data would be without noise.

@@ -53,9 +53,11 @@ std::vector<Class> classes(std::vector<Sample> samples, bool squares_of_normals)
 void fit_read_and_shot(const std::vector<Class>& all, double& read_sd, double& shot) {
   double a = 0, k = 0;
   for (const Class& c : all) a += c.variance / static_cast<double>(std::max<std::size_t>(all.size(), 1));
+  read_sd = shot = 0;
+  if (!(a > 0)) return;
+  const double least = 1e-3 * a;  // classes without any noise must not take all the weight
   for (int round = 0; round < 6; ++round) {
     double w_sum = 0, s = 0, v = 0, ss = 0, sv = 0;
-    const double least = 1e-6 * a + 1e-300;
     for (const Class& c : all) {
       const double expected = std::max(a + k * std::max(c.signal, 0.0), least), w = 1 / (expected * expected);
       w_sum += w, s += w * c.signal, v += w * c.variance, ss += w * c.signal * c.signal,
@@ -174,8 +176,11 @@ NoiseModel noise_from_layer(const Image& picture, const Image& layers, const std
     if (layer < 0)
       throw InputError("--noise", "", "'layer' needs the channels variance.R, variance.G, variance.B in the picture");
     for (std::size_t p = 0; p < picture.pixel_count(); ++p)
-      if (counts(usable, p)) samples[c].push_back({value(picture, p, channels[c]), value(layers, p, layer)});
+      // Where nothing was seen there is nothing to learn from: beside the object, or where no path found light.
+      if (counts(usable, p) && value(layers, p, layer) > 0)
+        samples[c].push_back({value(picture, p, channels[c]), value(layers, p, layer)});
   }
+  if (samples[0].empty()) throw InputError("--noise", "", "'layer': the picture's variance is 0 everywhere");
   NoiseModel noise = model_of(samples, false, "the renderer's variance");
   noise.correlation_known = false;
   return noise;

@@ -13,7 +13,7 @@ Eigen::Matrix3d residual_correlation(const FitTarget& target, const Eigen::Matri
     Eigen::Vector3d r = Eigen::Vector3d::Zero();
     for (int c = 0; c < target.channels; ++c)
       r[c] = std::clamp(
-          (target.picture(p, c) - signal(p, c)) / std::sqrt(std::max(target.noise.variance(c, signal(p, c)), 1e-30)),
+          (target.picture(p, c) - signal(p, c)) / std::sqrt(pixel_variance(target, target.noise, c, signal(p, c))),
           -3.0, 3.0);
     sums += r * r.transpose();
   }
@@ -26,8 +26,8 @@ Covariance known_covariance(const FitTarget& target, const NoiseModel& noise, co
   Eigen::Vector3d sd = Eigen::Vector3d::Ones();
   for (int c = 0; c < target.channels; ++c) {
     double sum = 0;
-    for (Eigen::Index p = 0; p < signal.rows(); ++p) sum += noise.variance(c, signal(p, c));
-    sd[c] = std::sqrt(std::max(sum / static_cast<double>(signal.rows()), 1e-30));
+    for (Eigen::Index p = 0; p < signal.rows(); ++p) sum += pixel_variance(target, noise, c, signal(p, c));
+    sd[c] = std::sqrt(sum / static_cast<double>(signal.rows()));
   }
   return sd.asDiagonal() * noise.correlation * sd.asDiagonal();
 }

@@ -15,6 +15,8 @@ using Eigen::MatrixXf;
 
 constexpr std::size_t blocks = 16;  // fixed, so that sums do not depend on the thread count
 constexpr std::size_t rows_at_once = 192;
+constexpr std::size_t sample_rows = 8192;  // tell the rank: many times the columns
+constexpr std::size_t check_rows = 512;
 
 /// body(first, count) over pieces of [0, rows), in `blocks` tasks; sums of the tasks' results in order.
 template <typename Body>
@@ -29,21 +31,24 @@ MatrixXd sum_over_rows(std::size_t rows, Index n, Index m, const Body& body) {
   return partial[0];
 }
 
-/// `count` rows of the operator as columns.
-MatrixXd columns_of(const TransportOperator& op, int light, std::size_t first, std::size_t count) {
+/// `count` rows of the operator, `step` apart, as columns.
+MatrixXd columns_of(const TransportOperator& op, int light, std::size_t first, std::size_t count,
+                    std::size_t step = 1) {
   const auto n = static_cast<Index>(op.columns());
   MatrixXd m(n, static_cast<Index>(count));
   for (std::size_t i = 0; i < count; ++i)
-    m.col(static_cast<Index>(i)) = Eigen::Map<const Eigen::VectorXf>(op.row(first + i, light), n).cast<double>();
+    m.col(static_cast<Index>(i)) = Eigen::Map<const Eigen::VectorXf>(op.row(first + i * step, light), n).cast<double>();
   return m;
 }
 
 MatrixXd symmetric(const MatrixXd& lower) { return lower.selfadjointView<Eigen::Lower>(); }
 
-MatrixXd operator_gram(const TransportOperator& op, int light) {
+/// Of every `step`-th row.
+MatrixXd operator_gram(const TransportOperator& op, int light, std::size_t step) {
   const auto n = static_cast<Index>(op.columns());
-  return symmetric(sum_over_rows(op.rows(), n, n, [&](std::size_t first, std::size_t count, MatrixXd& sum) {
-    sum.selfadjointView<Eigen::Lower>().rankUpdate(columns_of(op, light, first, count));
+  const std::size_t rows = (op.rows() + step - 1) / step;
+  return symmetric(sum_over_rows(rows, n, n, [&](std::size_t first, std::size_t count, MatrixXd& sum) {
+    sum.selfadjointView<Eigen::Lower>().rankUpdate(columns_of(op, light, first * step, count, step));
   }));
 }
 
@@ -94,6 +99,35 @@ MatrixXd orthonormalise_again(MatrixXf& q) {
   return cholesky.factor_transposed();
 }
 
+struct Reduction {
+  MatrixXf q;
+  MatrixXd factor;
+};
+
+/// Which columns depend on which is learnt from every `step`-th row; lengths and angles are then made right on all.
+Reduction reduce(const TransportOperator& op, int light, double tolerance, std::size_t step) {
+  const PivotedCholesky cholesky = pivoted_cholesky(operator_gram(op, light, step), tolerance);
+  Reduction out;
+  out.q = pivot_columns(op, light, cholesky);
+  const MatrixXd again = orthonormalise_again(out.q);
+  out.factor = again * cholesky.factor_transposed();
+  return out;
+}
+
+/// Is the operator Q L^T, on rows that the reduction has not learnt from, as well as the tolerance promises? A column
+/// that is empty on the rows learnt from counts with all that it has here.
+bool represents(const TransportOperator& op, int light, const Reduction& r, std::size_t step, double tolerance) {
+  const std::size_t apart = std::max(step, op.rows() / check_rows), first = step / 2,
+                    count = (op.rows() - first + apart - 1) / apart;
+  const MatrixXd m = columns_of(op, light, first, count, apart);
+  MatrixXd q(r.q.rows(), static_cast<Index>(count));
+  for (std::size_t i = 0; i < count; ++i)
+    q.col(static_cast<Index>(i)) = r.q.col(static_cast<Index>(first + i * apart)).cast<double>();
+  const Eigen::VectorXd left = (m - r.factor.transpose() * q).rowwise().squaredNorm(), all = m.rowwise().squaredNorm();
+  constexpr double float_rounding = 1e-12;  // squared; of values and of Q
+  return ((left.array() <= (10 * tolerance + float_rounding) * all.array())).all();
+}
+
 }  // namespace
 
 MatrixXd weighted_gram(const MatrixXf& a, const MatrixXf& b, const float* weight) {
@@ -125,12 +159,15 @@ Eigen::VectorXd basis_sum(const Eigen::MatrixXf& q, const Eigen::VectorXd& v) {
 
 OrthonormalOperator orthonormalise(const TransportOperator& op, double tolerance) {
   OrthonormalOperator out;
+  const std::size_t coarse = std::max<std::size_t>(1, op.rows() / sample_rows);
   for (int light = 0; light < op.light_channels; ++light) {
-    const PivotedCholesky cholesky = pivoted_cholesky(operator_gram(op, light), tolerance);
-    MatrixXf q = pivot_columns(op, light, cholesky);
-    const MatrixXd again = orthonormalise_again(q);
-    out.factor.push_back(again * cholesky.factor_transposed());
-    out.q.push_back(std::move(q));
+    Reduction r = reduce(op, light, tolerance, coarse);
+    if (coarse > 1 && !represents(op, light, r, coarse, tolerance)) {
+      r = reduce(op, light, tolerance, 1);
+      ++out.reduced_in_full;
+    }
+    out.factor.push_back(std::move(r.factor));
+    out.q.push_back(std::move(r.q));
   }
   return out;
 }

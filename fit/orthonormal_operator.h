@@ -5,7 +5,8 @@
 //
 // So a fit with equal noise everywhere needs y = Q^T t and never touches the pixels again; noise that differs from
 // pixel to pixel, or between channels, needs sums over the short rows of Q only (whitening.h). Found by pivoted
-// Cholesky of the Gram matrix, twice (the second time makes Q orthonormal to rounding: "CholeskyQR2").
+// Cholesky of the Gram matrix, twice (the second time makes Q orthonormal to rounding: "CholeskyQR2"). The first time
+// it only has to find which columns depend on which: of a large picture some 8192 rows tell that, checked on others.
 #pragma once
 
 #include "fit/transport_operator.h"
@@ -20,6 +21,7 @@ namespace opaline {
 struct OrthonormalOperator {
   std::vector<Eigen::MatrixXf> q;       ///< rank x rows: a column is a pixel
   std::vector<Eigen::MatrixXd> factor;  ///< L^T, rank x columns of the operator
+  int reduced_in_full = 0;              ///< light channels for which a sample of the rows was not enough
 };
 
 /// Keeps all of M that is above the root of `tolerance` of each column's length. Sums run in fixed blocks: the result

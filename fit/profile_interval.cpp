@@ -29,7 +29,7 @@ struct Side {
         value =
             std::clamp(value + (j == i ? moved : along * moved), problem.bounds().lower(j), problem.bounds().upper(j));
     }
-    const double straight = problem.half_chi_squared(problem.minimise(from, i).at) - least;
+    const double straight = problem.half_chi_squared(problem.minimise_quickly(from, i).at) - least;
     return std::max(straight, 0.0);
   }
 

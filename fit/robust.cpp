@@ -56,8 +56,8 @@ WhitePixels whiten_pixels(const FitTarget& target, const MatrixXd& signal, const
     if (noise.known) {
       for (int c = 0; c < n; ++c)
         for (int d = 0; d < n; ++d)
-          local(c, d) = noise.correlation(c, d) *
-                        std::sqrt(std::max(noise.variance(c, signal(p, c)) * noise.variance(d, signal(p, d)), 1e-60));
+          local(c, d) = noise.correlation(c, d) * std::sqrt(pixel_variance(target, noise, c, signal(p, c)) *
+                                                            pixel_variance(target, noise, d, signal(p, d)));
     }
     Eigen::Matrix3d root = Eigen::Matrix3d::Zero();
     root.topLeftCorner(n, n) = Eigen::LLT<MatrixXd>(local.inverse()).matrixU();

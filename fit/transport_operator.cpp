@@ -12,6 +12,8 @@
 #include <ceres/jet.h>
 #include <tbb/parallel_for.h>
 
+#include <array>
+
 namespace opaline {
 namespace {
 
@@ -203,8 +205,10 @@ EtaFactors eta_factors(const TransportOperator& op, double eta) {
   return out;
 }
 
-std::vector<ProfileGradient> radial_coefficients(const TransportOperator& op, const ProfileInfo& profile,
-                                                 const Medium<double>& medium) {
+namespace {
+
+std::vector<ProfileGradient> evaluated_coefficients(const TransportOperator& op, const ProfileInfo& profile,
+                                                    const Medium<double>& medium) {
   const std::unique_ptr<Profile> formula = profile.make(medium);
   const SoftenedProfile visible(*formula, std::sqrt(op.radial.x_0()));
   std::vector<ProfileGradient> out;
@@ -214,6 +218,49 @@ std::vector<ProfileGradient> radial_coefficients(const TransportOperator& op, co
     out.push_back({w * g.value, w * g.d_sigma_a, w * g.d_sigma_s_prime, w * g.d_eta});
   }
   return out;
+}
+
+/// What the coefficients depend on, to the last bit.
+struct CoefficientKey {
+  std::unique_ptr<Profile> (*build)(const Medium<double>&, const ProfileParameters&) = nullptr;
+  std::array<double, 6> numbers{};
+  bool operator==(const CoefficientKey&) const = default;
+};
+
+/// The last media that this thread asked for: several views of one object, and a solver that looks at a point first and
+/// then at its slope, want the same ones again.
+class LastCoefficients {
+ public:
+  template <typename Make>
+  const std::vector<ProfileGradient>& get(const CoefficientKey& key, const Make& make) {
+    for (const Entry& e : entries_)
+      if (e.key == key) return e.values;
+    Entry& oldest = entries_[next_];
+    next_ = (next_ + 1) % entries_.size();
+    oldest.values = make();
+    oldest.key = key;
+    return oldest.values;
+  }
+
+ private:
+  struct Entry {
+    CoefficientKey key;
+    std::vector<ProfileGradient> values;
+  };
+  std::array<Entry, 6> entries_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace
+
+std::vector<ProfileGradient> radial_coefficients(const TransportOperator& op, const ProfileInfo& profile,
+                                                 const Medium<double>& medium) {
+  thread_local LastCoefficients last;
+  const RadialBasis& r = op.radial;
+  const CoefficientKey key{
+      profile.build,
+      {r.x_0(), r.spacing(), static_cast<double>(r.size()), medium.sigma_a, medium.sigma_s_prime, medium.eta}};
+  return last.get(key, [&] { return evaluated_coefficients(op, profile, medium); });
 }
 
 ColumnCoefficients column_coefficients(const TransportOperator& op, const ProfileInfo& profile,

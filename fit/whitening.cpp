@@ -124,6 +124,12 @@ Whitened whiten(const FitTarget& target, const PixelPrecision& precision) {
   return out;
 }
 
+double pixel_variance(const FitTarget& target, const NoiseModel& noise, int c, double signal) {
+  constexpr double darkest_share = 1e-3;
+  const double darkest = darkest_share * std::sqrt(target.products(c, c) / static_cast<double>(target.rows()));
+  return std::max(noise.variance(c, std::max(signal, darkest)), 1e-30);
+}
+
 PixelPrecision pixel_precision(const FitTarget& target, const NoiseModel& noise, const Eigen::MatrixXd& signal) {
   PixelPrecision precision(target.rows());
   const Eigen::MatrixXd inverse = used(noise.correlation, target.channels).inverse();
@@ -131,7 +137,7 @@ PixelPrecision pixel_precision(const FitTarget& target, const NoiseModel& noise,
     precision[p] = {};
     Eigen::Vector3d sd;
     for (int c = 0; c < target.channels; ++c)
-      sd[c] = std::sqrt(std::max(noise.variance(c, signal(static_cast<Index>(p), c)), 1e-30));
+      sd[c] = std::sqrt(pixel_variance(target, noise, c, signal(static_cast<Index>(p), c)));
     for (int c = 0; c < target.channels; ++c)
       for (int d = c; d < target.channels; ++d)
         precision[p][place[c][d]] = static_cast<float>(inverse(c, d) / (sd[c] * sd[d]));

@@ -50,6 +50,10 @@ Whitened whiten(const FitTarget& target, const Eigen::Matrix3d& covariance);
 /// Any precision per pixel.
 Whitened whiten(const FitTarget& target, const PixelPrecision& precision);
 
+/// Variance of a pixel's noise, never below that of a signal of a thousandth of the picture's RMS: noise that vanishes
+/// with the signal would give single black pixels all the weight.
+double pixel_variance(const FitTarget& target, const NoiseModel& noise, int c, double signal);
+
 /// P of every pixel for a noise where the noise-free picture is `signal` (rows x channels).
 PixelPrecision pixel_precision(const FitTarget& target, const NoiseModel& noise, const Eigen::MatrixXd& signal);
 

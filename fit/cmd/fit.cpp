@@ -25,7 +25,7 @@ void run(FitArguments& a, const ShapeLibrary& shapes) {
     report = run_fit(a.job, shapes, [&](const std::string& stage) { progress.show(stage); });
   }
   if (truth)
-    if (const std::string warning = truth_warning(a.truth, a.job.model); !warning.empty())
+    if (const std::string warning = truth_warning(a.truth, report.job.model); !warning.empty())
       report.uncertainty.notes.push_back(warning);
   const bool usable = report.diagnosis.determined || a.allow_undetermined;
   std::vector<std::string> written = write_fit(report, a.out, usable);

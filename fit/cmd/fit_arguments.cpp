@@ -20,6 +20,11 @@ void add_inputs(CLI::App& fit, FitArguments& a) {
   fit.add_option("--prior", a.priors, "What is known beforehand, NAME=MEAN:SD, e.g. eta=1.4:0.05; may be repeated")
       ->allow_extra_args(false);
   fit.add_option("--model", a.job.model, "Profile; transport_table is transport itself")->capture_default_str();
+  fit.add_option("--exit", a.exit,
+                 "auto: transport_table is tried as exitance and as radiance where a flat object is lit and seen along "
+                 "its normal, and the better one taken; exitance: never the latter")
+      ->check(CLI::IsMember({"auto", "exitance"}))
+      ->capture_default_str();
   fit.add_option("--out", a.out, "Folder for fit.json, material.json, report and pictures; made if missing")
       ->required();
   fit.add_option("--export", a.exports,
@@ -93,6 +98,7 @@ void complete(FitArguments& a) {
   for (const std::string& name : a.exports) find_exchange_format(name);
   for (const std::string& text : a.priors)
     for (const Prior& prior : parse_prior(text)) a.job.solve.priors.push_back(prior);
+  a.job.exitance_only = a.exit == "exitance";
   a.job.scale_free = a.scale == "free";
   a.job.profile_intervals = !a.parabola;
   if (a.saturation >= 0) a.job.reading.saturation = a.saturation;

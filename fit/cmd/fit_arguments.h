@@ -12,7 +12,7 @@ namespace opaline {
 
 struct FitArguments {
   FitJob job;
-  std::string free = "sigma_a,sigma_s_prime,eta", scale = "known", loss = "squares", out, truth;
+  std::string free = "sigma_a,sigma_s_prime,eta", exit = "auto", scale = "known", loss = "squares", out, truth;
   std::vector<std::string> priors, exports;
   double saturation = -1;
   int threads = 0;

@@ -17,12 +17,12 @@ namespace opaline {
 namespace {
 
 /// Zeros at a row's end are written without digits: the file is an initialiser.
-std::string to_text(const TransportTableCoefficients& table) {
+std::string to_text(const TransportTableCoefficients& table, const std::string& exit) {
   using Shape = TransportTableShape;
-  std::string text =
-      "// Made by `opaline transport table`. The series Y of transport_table.h: rows by degree in eta, then alpha'; "
-      "in\n"
-      "// a row by degree in the radius. Whole numbers, in units of 1e-6.\n";
+  std::string text = fmt::format(
+      "// Made by `opaline transport table --exit {}`. The series Y of transport_table.h: rows by degree in eta, then\n"
+      "// alpha'; in a row by degree in the radius. Whole numbers, in units of 1e-6.\n",
+      exit);
   for (std::size_t row = 0; row < table.values.size(); row += Shape::radii) {
     const auto first = table.values.begin() + static_cast<std::ptrdiff_t>(row);
     text += fmt::format("{},\n", fmt::join(first, first + Shape::radii, ","));
@@ -47,11 +47,12 @@ void check_writable(const std::string& path) {
   std::filesystem::remove(beside);
 }
 
-void make_table(const std::string& path) {
+void make_table(const std::string& path, const std::string& exit) {
   check_writable(path);  // before the work
   const auto progress = [](std::size_t done, std::size_t all) { fmt::print(stderr, "eta {} of {}\n", done, all); };
-  const TransportTableCoefficients table = make_transport_table(progress);
-  write(path, to_text(table));
+  const TransportTableCoefficients table =
+      make_transport_table(exit == "radiance_up" ? SearchlightExit::radiance_up : SearchlightExit::exitance, progress);
+  write(path, to_text(table, exit));
   fmt::print(stderr, "worst residual of a fit: {:.2g} of the error expected\n", table.worst_residual);
 }
 
@@ -63,7 +64,7 @@ void print_errors() {
     for (std::size_t i = 0; i < albedos.size(); ++i) fmt::print("---|");
     fmt::print("\n");
     for (const ProfileInfo& model : profiles()) {
-      if (model.name == "transport_table" || !model.needs_medium_alone()) continue;
+      if (model.name == "transport_table" || model.radiance || !model.needs_medium_alone()) continue;
       fmt::print("| {} |", model.name);
       for (const double albedo : albedos) {
         const ModelError e = model_error(model, albedo, eta);
@@ -79,10 +80,15 @@ void print_errors() {
 
 void add_transport_table_commands(CLI::App& transport) {
   const auto path = std::make_shared<std::string>();
-  CLI::App* table = transport.add_subcommand("table", "Makes the data of the profile transport_table (minutes)");
+  const auto exit = std::make_shared<std::string>("exitance");
+  CLI::App* table = transport.add_subcommand(
+      "table", "Makes the data of the profiles transport_table and transport_radiance (minutes)");
   table->add_option("--out", *path, "File to write")->required();
+  table->add_option("--exit", *exit, "What of the light: exitance (transport_table), radiance_up (transport_radiance)")
+      ->check(CLI::IsMember({"exitance", "radiance_up"}))
+      ->capture_default_str();
   table->footer("Example: opaline transport table --out model/profiles/transport_table.inc");
-  table->callback([path] { make_table(*path); });
+  table->callback([path, exit] { make_table(*path, *exit); });
 
   CLI::App* errors = transport.add_subcommand(
       "errors",

@@ -67,6 +67,7 @@ struct ProfileInfo {
   std::vector<ProfileParameter> parameters = {};
   bool conserves_energy = true;       ///< total() <= 1
   bool depends_on_direction = false;  ///< the model knows the direction of incidence; the row is for a normal beam
+  bool radiance = false;              ///< along the normal, as an exitance, in place of exitance: transport_radiance.h
   bool depends_on_medium = true;
   bool has_transmittance = false;
   double gradient_error = 0;  ///< relative; 0: dual numbers, exact to rounding

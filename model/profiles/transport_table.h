@@ -104,6 +104,74 @@ struct TransportTableShape {
 /// Coefficients of Y in TransportTableShape::unit, [index][albedo][radius].
 std::span<const std::int32_t> transport_table_coefficients();
 
+/// Light scattered twice or more, alpha'^2 P exp(Y), for coefficients of Y made by transport_table_maker.h.
+template <typename T>
+struct TransportSeries {
+  using Shape = TransportTableShape;
+  T sigma_t_prime;                  ///< [1/mm]
+  T albedo;                         ///< alpha'
+  T eta;                            ///< held in the domain
+  T decay_squared;                  ///< 1/v0^2
+  T reach;                          ///< [transport mean free paths]
+  std::array<T, Shape::radii> y{};  ///< Y's series in the radius
+
+  TransportSeries(const Medium<T>& medium, std::span<const std::int32_t> coefficients)
+      : sigma_t_prime(medium.sigma_a + medium.sigma_s_prime),
+        albedo(medium.sigma_s_prime / sigma_t_prime),
+        eta(held(medium.eta)) {
+    const T absorbed = medium.sigma_a / sigma_t_prime;
+    decay_squared = asymptotic_decay_squared(absorbed);
+    reach = Shape::reach(absorbed);
+    const auto albedo_terms = polynomials<Shape::albedos>(Shape::albedo_variable(absorbed));
+    const auto index_terms = polynomials<Shape::indices>(Shape::index_variable(eta));
+    const std::int32_t* row = coefficients.data();
+    for (const T& of_index : index_terms) {
+      for (const T& of_albedo : albedo_terms) {
+        const T weight = Shape::unit * of_index * of_albedo;
+        for (std::size_t k = 0; k < Shape::radii; ++k) {
+          if (row[k] != 0) y[k] += static_cast<double>(row[k]) * weight;
+        }
+        row += Shape::radii;
+      }
+    }
+  }
+
+  /// rho^2 + c^2 for r [mm]; bounded.
+  T softened_squared(const T& r, double c = Shape::core) const {
+    constexpr double farthest = 1e130;
+    const T scaled = r * sigma_t_prime, bounded = scaled < farthest ? scaled : T(farthest);
+    return bounded * bounded + c * c;
+  }
+
+  /// At the softened rho and its square.
+  T evaluate(const T& rho, const T& squared) const {
+    using std::exp;
+    const T pole = pole_evaluate_squared(squared, T(1.0), decay_squared);
+    return albedo * albedo * pole * exp(clenshaw(y, Shape::radius_variable(rho, reach)));
+  }
+
+  /// A flux at the axis, spread over a core of radius c; rho: softened by c.
+  static T core(const T& flux, const T& rho, double c) {
+    using std::exp;
+    return flux / (2.0 * pi * c) * exp(1.0 - rho / c) / rho;
+  }
+
+ private:
+  static T held(const T& eta) {
+    return eta < Shape::eta_min ? T(Shape::eta_min) : eta > Shape::eta_max ? T(Shape::eta_max) : eta;
+  }
+
+  /// T_0 ... T_(n-1) at x.
+  template <std::size_t n>
+  static std::array<T, n> polynomials(const T& x) {
+    std::array<T, n> p;
+    p[0] = T(1.0);
+    p[1] = x;
+    for (std::size_t k = 2; k < n; ++k) p[k] = 2.0 * x * p[k - 1] - p[k - 2];
+    return p;
+  }
+};
+
 /// R_1 for albedo 1 as sum_i strength_i exp(-rho rate_i)/rho over the exit angle outside, by the tanh-sinh rule. Error
 /// below 1e-8 of the total, 3e-5 of R_1 up to rho = 10.
 template <typename T>
@@ -145,66 +213,25 @@ struct OnceScattered {
 
 template <typename T>
 struct TransportTable {
-  using Shape = TransportTableShape;
-  T sigma_t_prime;                  ///< [1/mm]
-  T albedo;                         ///< alpha'
-  T decay_squared;                  ///< 1/v0^2
-  T reach;                          ///< [transport mean free paths]
-  OnceScattered<T> once;            ///< R_1
-  T core_flux;                      ///< of R_1, inside the core
-  std::array<T, Shape::radii> y{};  ///< Y's series in the radius
+  TransportSeries<T> multiple;
+  OnceScattered<T> once;  ///< R_1
+  T core_flux;            ///< of R_1, inside the core
 
   explicit TransportTable(const Medium<T>& medium)
-      : sigma_t_prime(medium.sigma_a + medium.sigma_s_prime),
-        albedo(medium.sigma_s_prime / sigma_t_prime),
-        once(held(medium.eta)),
-        core_flux(albedo * once.cumulative(T(Shape::core))) {
-    const T absorbed = medium.sigma_a / sigma_t_prime;
-    decay_squared = asymptotic_decay_squared(absorbed);
-    reach = Shape::reach(absorbed);
-    const auto albedo_terms = polynomials<Shape::albedos>(Shape::albedo_variable(absorbed));
-    const auto index_terms = polynomials<Shape::indices>(Shape::index_variable(held(medium.eta)));
-    const std::int32_t* row = transport_table_coefficients().data();
-    for (const T& of_index : index_terms) {
-      for (const T& of_albedo : albedo_terms) {
-        const T weight = Shape::unit * of_index * of_albedo;
-        for (std::size_t k = 0; k < Shape::radii; ++k) {
-          if (row[k] != 0) y[k] += static_cast<double>(row[k]) * weight;
-        }
-        row += Shape::radii;
-      }
-    }
-  }
+      : multiple(medium, transport_table_coefficients()),
+        once(multiple.eta),
+        core_flux(multiple.albedo * once.cumulative(T(TransportTableShape::core))) {}
 
   /// R [1/mm^2] at distance r [mm].
   T evaluate(const T& r) const {
-    using std::exp;
     using std::sqrt;
-    constexpr double c = Shape::core, farthest = 1e130;
-    const T scaled = r * sigma_t_prime, bounded = scaled < farthest ? scaled : T(farthest);
-    const T q = bounded * bounded + c * c, rho = sqrt(q);
-    const T pole = pole_evaluate_squared(q, T(1.0), decay_squared);
-    const T multiple = albedo * pole * exp(clenshaw(y, Shape::radius_variable(rho, reach)));
-    const T core = core_flux / (2.0 * pi * c) * exp(1.0 - rho / c) / rho;
-    return sigma_t_prime * sigma_t_prime * (albedo * (once.evaluate(rho) + multiple) + core);
+    const T q = multiple.softened_squared(r), rho = sqrt(q);
+    const T all = multiple.albedo * once.evaluate(rho) + multiple.evaluate(rho, q) +
+                  multiple.core(core_flux, rho, TransportTableShape::core);
+    return multiple.sigma_t_prime * multiple.sigma_t_prime * all;
   }
 
-  T core_radius() const { return Shape::core / sigma_t_prime; }
-
- private:
-  static T held(const T& eta) {
-    return eta < Shape::eta_min ? T(Shape::eta_min) : eta > Shape::eta_max ? T(Shape::eta_max) : eta;
-  }
-
-  /// T_0 ... T_(n-1) at x.
-  template <std::size_t n>
-  static std::array<T, n> polynomials(const T& x) {
-    std::array<T, n> p;
-    p[0] = T(1.0);
-    p[1] = x;
-    for (std::size_t k = 2; k < n; ++k) p[k] = 2.0 * x * p[k - 1] - p[k - 2];
-    return p;
-  }
+  T core_radius() const { return TransportTableShape::core / multiple.sigma_t_prime; }
 };
 
 }  // namespace opaline

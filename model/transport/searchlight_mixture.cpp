@@ -3,7 +3,6 @@
 #include "model/conventions.h"
 #include "model/non_negative_least_squares.h"
 #include "model/transport/asymptotic_decay.h"
-#include "model/transport/searchlight_transform.h"
 
 #include <tbb/parallel_for.h>
 #include <Eigen/Dense>
@@ -89,11 +88,12 @@ double SearchlightMixture::transform(double k_squared) const {
   return sum;
 }
 
-std::vector<SearchlightMixture> searchlight_mixtures(double eta, std::span<const double> albedos, double resolution) {
+std::vector<SearchlightMixture> searchlight_mixtures(double eta, std::span<const double> albedos, double resolution,
+                                                     SearchlightExit exit) {
   const std::vector<double> real = real_wave_numbers();
   std::vector<std::vector<double>> at_real(real.size());
   tbb::parallel_for(std::size_t{0}, real.size(), [&](std::size_t i) {
-    at_real[i] = searchlight_transform(real[i] * real[i], eta, albedos, resolution);
+    at_real[i] = searchlight_transform(real[i] * real[i], eta, albedos, resolution, exit);
   });
   std::vector<SearchlightMixture> mixtures(albedos.size());
   tbb::parallel_for(std::size_t{0}, albedos.size(), [&](std::size_t n) {
@@ -102,7 +102,7 @@ std::vector<SearchlightMixture> searchlight_mixtures(double eta, std::span<const
     for (std::size_t i = 0; i < real.size(); ++i)
       samples.push_back({real[i] * real[i], at_real[i][n], 1e-9 * (1 + std::pow(real[i], 2.5))});
     for (const double k : imaginary_wave_numbers(std::sqrt(decay_squared)))
-      samples.push_back({-k * k, searchlight_transform(-k * k, eta, albedos.subspan(n, 1), resolution)[0], 1e-9});
+      samples.push_back({-k * k, searchlight_transform(-k * k, eta, albedos.subspan(n, 1), resolution, exit)[0], 1e-9});
     mixtures[n] = fit(decay_squared, samples);
   });
   return mixtures;

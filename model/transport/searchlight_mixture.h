@@ -8,11 +8,15 @@
 // exponent of its decay.
 //
 // Conventions: per flux that has entered, lengths in mean free paths. Add single_scattering_profile
-// (model/single_scattering/half_space.h) for all light.
+// (model/single_scattering/half_space.h) for all light; of the radiance straight up it is where the beam enters alone,
+// with the flux albedo c/(8 eta^2). That radiance is symmetric in light and view, so that its sum has w_j >= 0 for a
+// reason: M is a quadratic form of the inverse of k^2 + a positive operator.
 //
 // Relative error of R_m, from halved spacings, other weights and higher resolution: 2e-5 from r = 0.01 until R_m is
 // 1e-10, 1e-4 until 1e-14, 1 % in the tail beyond.
 #pragma once
+
+#include "model/transport/searchlight_transform.h"
 
 #include <span>
 #include <vector>
@@ -39,6 +43,7 @@ struct SearchlightMixture {
 
 /// One for each albedo in (0, 1], eta >= 1, computed on all threads; the same bits for any number of them.
 std::vector<SearchlightMixture> searchlight_mixtures(double eta, std::span<const double> albedos,
-                                                     double resolution = 1.3);
+                                                     double resolution = 1.3,
+                                                     SearchlightExit exit = SearchlightExit::exitance);
 
 }  // namespace opaline

@@ -1,6 +1,7 @@
 #include "model/transport/searchlight_transform.h"
 
 #include "model/conventions.h"
+#include "model/fresnel.h"
 #include "model/transport/modulated_h.h"
 #include "model/transport/ray_rule.h"
 
@@ -46,7 +47,7 @@ Vector solve(const std::function<Vector(const Vector&)>& operation, const Vector
 class Transform {
  public:
   Transform(double k_squared, double eta, double resolution)
-      : k_squared_(k_squared), reflecting_(eta > 1), rule_(make_ray_rule(k_squared, eta, resolution)) {
+      : k_squared_(k_squared), eta_(eta), reflecting_(eta > 1), rule_(make_ray_rule(k_squared, eta, resolution)) {
     if (!reflecting_) return;
     const auto n = static_cast<Eigen::Index>(rule_.x.size());
     same_.resize(n, n);
@@ -59,12 +60,21 @@ class Transform {
     }
   }
 
-  double multiple(double albedo) const {
+  double multiple(double albedo, SearchlightExit exit) const {
     const ModulatedH h(albedo, k_squared_);
     const double beam = h.minus_one(1).real();
     Vector scattered(static_cast<Eigen::Index>(rule_.x.size()));  // H - 1 at the rays
     for (Eigen::Index i = 0; i < scattered.size(); ++i) scattered[i] = h.minus_one(x(i));
-    const Vector again = from_boundary(albedo, scattered, 1 + beam);
+    const Vector down = sent_down(albedo, scattered, 1 + beam);
+    return exit == SearchlightExit::exitance ? exitance(albedo, scattered, beam, down)
+                                             : radiance_up(albedo, beam, down);
+  }
+
+ private:
+  Complex x(Eigen::Index i) const { return rule_.x[static_cast<std::size_t>(i)]; }
+
+  double exitance(double albedo, const Vector& scattered, double beam, const Vector& down) const {
+    const Vector again = reflecting_ ? reflect(down) : Vector::Zero(scattered.size());
     double sum = 0;
     for (Eigen::Index i = 0; i < scattered.size(); ++i) {
       const Complex others = (beam + scattered[i] * (1 + beam)) / (1.0 + x(i));
@@ -74,27 +84,30 @@ class Transform {
     return albedo / (4 * pi) * sum;
   }
 
- private:
-  Complex x(Eigen::Index i) const { return rule_.x[static_cast<std::size_t>(i)]; }
+  double radiance_up(double albedo, double beam, const Vector& down) const {
+    double again = 0;  // Y(1) - H(1)/2
+    for (Eigen::Index i = 0; i < down.size(); ++i) again += 2 * (down[i] / (1.0 + x(i))).real();
+    const double multiple = (2 + beam) * beam / 2 + (1 + beam) * again;
+    return albedo / 4 * diffuse_transmittance_external(eta_) / (eta_ * eta_) * multiple;
+  }
 
-  /// Y(x) - H(1)/(1 + x).
-  Vector from_boundary(double albedo, const Vector& scattered, double h_of_beam) const {
-    const Eigen::Index n = scattered.size();
-    if (!reflecting_) return Vector::Zero(n);
+  /// What the boundary sends down, (albedo/4 pi) (F/mu) x^2 H^2 Y times the weights; empty without a boundary.
+  Vector sent_down(double albedo, const Vector& scattered, double h_of_beam) const {
+    const Eigen::Index n = reflecting_ ? scattered.size() : 0;
     Vector strength(n), first(n);
     for (Eigen::Index i = 0; i < n; ++i) {
       const Complex xh = x(i) * (1.0 + scattered[i]);
       strength[i] = albedo / (4 * pi) * rule_.reflected[static_cast<std::size_t>(i)] * xh * xh;
       first[i] = h_of_beam / (1.0 + x(i));
     }
-    const auto reflect = [&](const Vector& y) -> Vector {
-      const Vector down = strength.cwiseProduct(y);
-      return same_ * down + mirrored_ * down.conjugate();
-    };
-    return reflect(solve(reflect, first));
+    if (!reflecting_) return first;
+    return strength.cwiseProduct(solve([&](const Vector& y) { return reflect(strength.cwiseProduct(y)); }, first));
   }
 
-  double k_squared_;
+  /// Y(x) - H(1)/(1 + x) at the rays.
+  Vector reflect(const Vector& down) const { return same_ * down + mirrored_ * down.conjugate(); }
+
+  double k_squared_, eta_;
   bool reflecting_;
   RayRule rule_;
   Eigen::MatrixXcd same_, mirrored_;
@@ -103,10 +116,10 @@ class Transform {
 }  // namespace
 
 std::vector<double> searchlight_transform(double k_squared, double eta, std::span<const double> albedos,
-                                          double resolution) {
+                                          double resolution, SearchlightExit exit) {
   const Transform transform(k_squared, eta, resolution);
   std::vector<double> values;
-  for (const double albedo : albedos) values.push_back(transform.multiple(albedo));
+  for (const double albedo : albedos) values.push_back(transform.multiple(albedo, exit));
   return values;
 }
 

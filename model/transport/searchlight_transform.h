@@ -13,6 +13,11 @@
 // cosine, grazing rays outside, and the width 1/k around the normal and around phi = pi/2; the equation is solved by
 // GMRES (about five steps).
 //
+// Radiance instead of exitance: the ray straight up (x = 1, mu = 1) leaves with the radiance
+//   (1 - F(1))/eta^2 (albedo/4 pi) H(1) Y(1)
+// which conventions.h writes as F_t(1) B/(pi c): M(k) = (c albedo/(4 eta^2)) (H(1) Y(1) - 1/2). Both the beam and the
+// view are along the normal, so this too depends on the distance alone.
+//
 // Relative error at resolution 1.3 (measured against 1.7 and, at k = 0, against h_function.h): 1e-8 for k <= 1,
 // 1e-6 at 10, 1e-4 at 100; at eta = 1 1e-9 everywhere.
 #pragma once
@@ -22,10 +27,16 @@
 
 namespace opaline {
 
+/// What of the light that leaves.
+enum class SearchlightExit {
+  exitance,     ///< all of it
+  radiance_up,  ///< the radiance along the normal, as the exitance B that a lobe F_t B/(pi c) would need for it
+};
+
 /// M for each of the albedos in (0, 1], at one k^2 and one eta >= 1. k_squared > -1/v0^2 for the largest albedo
 /// (asymptotic_decay.h), and at least -0.98^2. `resolution` multiplies the number of nodes of every rule. A millisecond
 /// an albedo for k < 1, 50 at k = 100.
 std::vector<double> searchlight_transform(double k_squared, double eta, std::span<const double> albedos,
-                                          double resolution = 1.3);
+                                          double resolution = 1.3, SearchlightExit exit = SearchlightExit::exitance);
 
 }  // namespace opaline

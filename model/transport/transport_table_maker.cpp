@@ -36,7 +36,8 @@ double transport_table_value(const SearchlightMixture& mixture, double absorbed,
   return mixture.log_evaluate(rho) - 2 * std::log1p(-absorbed) - log_pole;
 }
 
-TransportTableCoefficients make_transport_table(const std::function<void(std::size_t, std::size_t)>& progress) {
+TransportTableCoefficients make_transport_table(SearchlightExit exit,
+                                                const std::function<void(std::size_t, std::size_t)>& progress) {
   std::vector<double> absorbed, albedos;
   for (std::size_t a = 0; a < Shape::albedos; ++a) {
     absorbed.push_back(Shape::absorbed_at(chebyshev_point(a, Shape::albedos)));
@@ -46,7 +47,7 @@ TransportTableCoefficients make_transport_table(const std::function<void(std::si
   std::vector<double> values;
   for (std::size_t e = 0; e < Shape::indices; ++e) {
     const double eta = Shape::eta_at(chebyshev_point(e, Shape::indices));
-    const std::vector<SearchlightMixture> mixtures = searchlight_mixtures(eta, albedos);
+    const std::vector<SearchlightMixture> mixtures = searchlight_mixtures(eta, albedos, 1.3, exit);
     for (std::size_t a = 0; a < Shape::albedos; ++a) {
       const double reach = Shape::reach(absorbed[a]);
       for (std::size_t r = 0; r < Shape::radii; ++r) {
@@ -58,7 +59,7 @@ TransportTableCoefficients make_transport_table(const std::function<void(std::si
     progress(e + 1, Shape::indices);
   }
   to_series(values);
-  values[0] -= Shape::margin;
+  if (exit == SearchlightExit::exitance) values[0] -= Shape::margin;
   for (const double v : values) table.values.push_back(static_cast<std::int32_t>(std::lround(v / Shape::unit)));
   return table;
 }

@@ -1,5 +1,8 @@
-// Makes the series of model/profiles/transport_table.h from the deterministic searchlight solution.
+// Makes the series of model/profiles/transport_table.h and transport_radiance.h from the deterministic searchlight
+// solution.
 #pragma once
+
+#include "model/transport/searchlight_transform.h"
 
 #include <cstdint>
 #include <functional>
@@ -19,7 +22,8 @@ struct TransportTableCoefficients {
 
 /// `progress` is told how many of how many values of eta are done. Takes some minutes on two cores; the same numbers
 /// for any number of threads.
-TransportTableCoefficients make_transport_table(const std::function<void(std::size_t, std::size_t)>& progress);
+TransportTableCoefficients make_transport_table(SearchlightExit exit,
+                                                const std::function<void(std::size_t, std::size_t)>& progress);
 // Another compiler's rounding lets other terms into the sums of searchlight_mixture.h: it may move coefficients by
 // 1e-4, where the solver's own error is.
 

@@ -75,6 +75,27 @@ TEST(OrthonormalOperator, LeavesOutColumnsThatAreZeroOrRepeated) {
   EXPECT_LT((q_of(o, 0) * o.factor[0] - m).norm(), 1e-6 * m.norm());
 }
 
+/// Of many rows only some tell which columns depend on which; a column that those do not show is found out.
+TEST(OrthonormalOperator, LearnsFromSomeRowsAndChecksOnOthers) {
+  TransportOperator op = random_operator(17000, 1, 9);
+  const std::size_t n = op.columns();
+  for (std::size_t row = 0; row < op.rows(); ++row) op.values[row * n + 3] = 2 * op.values[row * n + 1];
+  const auto error = [&](const OrthonormalOperator& o) {
+    const MatrixXd m = matrix_of(op, 0);
+    return (q_of(o, 0) * o.factor[0] - m).norm() / m.norm();
+  };
+  const OrthonormalOperator some = orthonormalise(op);
+  EXPECT_EQ(some.reduced_in_full, 0);
+  EXPECT_EQ(some.q[0].rows(), static_cast<Index>(n) - 1);
+  EXPECT_LT(error(some), 1e-6);
+  for (std::size_t row = 0; row < op.rows(); row += 2) op.values[row * n + 3] = 2 * op.values[row * n + 1];
+  for (std::size_t row = 1; row < op.rows(); row += 2) op.values[row * n + 3] = op.values[row * n + 2];
+  const OrthonormalOperator all = orthonormalise(op);
+  EXPECT_EQ(all.reduced_in_full, 1);
+  EXPECT_EQ(all.q[0].rows(), static_cast<Index>(n));
+  EXPECT_LT(error(all), 1e-6);
+}
+
 TEST(OrthonormalOperator, ShrinksAScenesOperatorAndKeepsItsPictures) {
   for (const bool coloured : {false, true}) {
     Scene scene = test::sphere_scene("marble", 28);

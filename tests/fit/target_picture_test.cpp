@@ -80,6 +80,16 @@ TEST(NoiseEstimate, ReadsARenderersVariance) {
   expect_noise(noise, 0.01, 0.0004, 0.02);
   EXPECT_FALSE(noise.correlation_known);
   EXPECT_THAT(test::message_of([&] { noise_from_layer(picture, picture, {}); }), HasSubstr("variance.R"));
+  // Beside the object there is neither light nor noise.
+  Image beside = picture;
+  const std::size_t half = variance.data.size() / 6 * 3;
+  std::fill_n(variance.data.begin(), half, 0.0f);
+  std::fill_n(beside.data.begin(), half / 3 * beside.channels.size(), 0.0f);
+  const Image seen = with_layers(beside, {{"variance", variance}});
+  expect_noise(noise_from_layer(beside, seen, {}), 0.01, 0.0004, 0.02);
+  std::fill(variance.data.begin(), variance.data.end(), 0.0f);
+  const Image none = with_layers(beside, {{"variance", variance}});
+  EXPECT_THAT(test::message_of([&] { noise_from_layer(beside, none, {}); }), HasSubstr("0 everywhere"));
 }
 
 TEST(NoiseEstimate, ReadsNumbers) {

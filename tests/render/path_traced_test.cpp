@@ -2,6 +2,7 @@
 // model/transport, conservation of radiance. Every |z| < 4 with a fixed seed.
 #include "datasets_synthetic/shapes/shapes.h"
 #include "model/fresnel.h"
+#include "model/profiles/profile.h"
 #include "model/transport/h_function.h"
 #include "model/transport/walk.h"
 #include "render/path_tracing/random.h"
@@ -142,6 +143,17 @@ TEST(PathTraced, AFarPointLightLightsASlabAsABeamDoes) {
   expect_slab_of_walks(medium(0.9, 0, 2), 0.5, light, cosine);
 }
 
+/// Irradiance 1 within `radius` of the point that is looked at.
+Light disk_of_light(double radius) {
+  constexpr double distance = 2000;
+  ProjectorLight disk;
+  disk.position = {40.5, 0.021, distance};
+  disk.look_at = {40.5, 0.021, 0};
+  disk.intensity = Rgb(distance * distance);
+  disk.disk_radius_deg = std::atan(radius / distance) * 180 / pi;
+  return disk;
+}
+
 // By translation, the exitance in the middle of a wide beam of radius a is what a thin beam sends out within a.
 TEST(PathTraced, TheProfileOfABeamIsThatOfWalks) {
   Searchlight walks{{0.1, 0.9, 1.4}, 0, 1, {0, 0.3, 1, 3}, 1 << 20, 5};
@@ -151,16 +163,30 @@ TEST(PathTraced, TheProfileOfABeamIsThatOfWalks) {
     const double area = pi * (a.outer * a.outer - a.inner * a.inner);
     inside += area * a.exitance.value;
     error = std::hypot(error, area * a.exitance.standard_error);
-    constexpr double distance = 2000;
-    ProjectorLight disk;
-    disk.position = {40.5, 0.021, distance};
-    disk.look_at = {40.5, 0.021, 0};
-    disk.intensity = Rgb(distance * distance);
-    disk.disk_radius_deg = std::atan(a.outer / distance) * 180 / pi;
     SCOPED_TRACE(a.outer);
-    expect_equal(exitance(lit_slab(medium(0.9, 0, 1.4), 100, disk), false, a.outer < 1 ? 6000 : 3000),
+    expect_equal(exitance(lit_slab(medium(0.9, 0, 1.4), 100, disk_of_light(a.outer)), false, a.outer < 1 ? 6000 : 3000),
                  (1 - r.specular) * inside, (1 - r.specular) * error);
   }
+}
+
+// So is the radiance along the normal with the profile of radiance, and not with that of exitance.
+TEST(PathTraced, TheRadianceOfABeamAlongTheNormalIsItsProfile) {
+  const Material m = medium(0.9, 0, 1.4);
+  const double entering = fresnel_transmittance(1.0, m.eta);
+  const double lobe = entering / (pi * exit_lobe_normalisation(m.eta, ExitLobe::normalised));
+  double furthest = 0;
+  for (const double radius : {0.3, 1.0, 3.0}) {
+    SCOPED_TRACE(radius);
+    const Scene scene = lit_slab(m, 100, disk_of_light(radius));
+    const Estimate traced_radiance = mean_of(traced(scene, from_all_sides(scene, false, 1, 1), 12000));
+    const auto drawn = [&](const char* name) {
+      return lobe * entering * find_profile(name)->make(m.channel(1))->cumulative(radius);
+    };
+    expect_equal(traced_radiance, drawn("transport_radiance"));
+    const double off = std::abs(traced_radiance.value - drawn("transport_table")) / traced_radiance.standard_error;
+    furthest = std::max(furthest, off);
+  }
+  EXPECT_GT(furthest, 8);
 }
 
 // --- conservation of radiance -----------------------------------------------------------------------

@@ -28,6 +28,7 @@ int run(int argc, char** argv) {
   bool layers = true, subsurface = true, transfer = true;
   int repetitions = 0;
   bool examination = false;
+  std::size_t library = 0;
   CLI::App app("Opaline's benchmark: figures reached beside figures asked", "opaline_bench");
   app.add_option("--mesh", choice.mesh, "Mesh file instead of the synthetic bust");
   app.add_option("--height", choice.height, "Of the object [mm]")->check(CLI::PositiveNumber)->capture_default_str();
@@ -60,6 +61,9 @@ int run(int argc, char** argv) {
                  "Repetitions of noisy fits, 500 for the figures asked (a minute; 0: none)")
       ->check(CLI::Range(0, 100000));
   app.add_flag("--examination", examination, "Two views of 512 x 512: models compared, bootstrap");
+  app.add_option("--library", library,
+                 "Every N-th material of the library from a noise-free picture (1: all, minutes; 0: none)")
+      ->check(CLI::Range(std::size_t{0}, std::size_t{1000}));
   CLI11_PARSE(app, argc, argv);
   fmt::print("{}\n", machine());
   if (kernels) {
@@ -79,7 +83,9 @@ int run(int argc, char** argv) {
   if (paths) print_figures("Transport, 64 x 64 pixels, " + choice.material, path_figures(choice));
   if (fit) print_figures("Fit: " + title, fit_figures(choice));
   if (examination) print_figures("Examination of a large fit: " + title, examination_figures(choice));
-  if (repetitions > 0) print_figures("Calibration of the fit, 40 x 40 pixels", calibration_figures(repetitions));
+  if (repetitions > 0)
+    print_figures("Calibration of the fit, 40 x 40 pixels", calibration_figures(repetitions, choice.mesh));
+  if (library > 0) print_library_figures(choice.mesh, library);
   return 0;
 }
 

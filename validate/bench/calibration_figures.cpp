@@ -20,8 +20,9 @@ namespace {
 
 const ProfileInfo& transport() { return *find_profile("transport_table"); }
 
-Scene small_scene(const std::string& shape, const std::string& material, int film) {
+Scene small_scene(const std::string& shape, const std::string& mesh, const std::string& material, int film) {
   SceneChoice choice;
+  choice.mesh = shape == "sphere" ? "" : mesh;
   choice.material = material;
   choice.film = film;
   choice.height = 20;
@@ -92,11 +93,12 @@ Calibration calibrate(const Scene& scene, int repetitions) {
 
 }  // namespace
 
-std::vector<Figure> calibration_figures(int repetitions) {
+std::vector<Figure> calibration_figures(int repetitions, const std::string& mesh) {
   std::vector<Figure> figures;
-  for (const char* shape : {"sphere", "bust"})
+  const std::string object = mesh.empty() ? "bust" : mesh;
+  for (const std::string& shape : {std::string("sphere"), object})
     for (const char* material : {"skin1", "marble", "skimmilk"}) {
-      const Calibration c = calibrate(small_scene(shape, material, 40), repetitions);
+      const Calibration c = calibrate(small_scene(shape, mesh, material, 40), repetitions);
       const std::string name = fmt::format("{} of {}, {} repetitions: ", shape, material, repetitions);
       const std::string note = fmt::format("{} parameters; of a variance itself 4 sd are {:.2f}", c.determined,
                                            4 * std::sqrt(2.0 / repetitions));

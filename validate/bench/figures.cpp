@@ -77,6 +77,19 @@ double peak_rss() {
   return 1024.0 * static_cast<double>(usage.ru_maxrss);
 }
 
+Material library_material(const std::string& name) {
+  const MaterialRow* row = find_material(name);
+  if (!row) throw InputError("--material", "", name + " is not in the library; `opaline material list` shows it");
+  Material material;
+  material.name = row->name;
+  for (int c = 0; c < 3; ++c) {
+    material.sigma_a[c] = row->sigma_a[static_cast<std::size_t>(c)];
+    material.sigma_s_prime[c] = row->sigma_s_prime[static_cast<std::size_t>(c)];
+  }
+  material.eta = row->eta;
+  return material;
+}
+
 Scene bench_scene(const SceneChoice& choice) {
   Scene scene;
   scene.film = {choice.film, choice.film};
@@ -92,17 +105,7 @@ Scene bench_scene(const SceneChoice& choice) {
   scene.camera.position = {0, 0, 5 * choice.height};
   scene.camera.fov_y_deg = 12.5;
   scene.lights.emplace_back(DirectionalLight{glm::normalize(glm::dvec3(-0.87, -0.2, -0.5)), Rgb(pi), 0});
-  const MaterialRow* row = find_material(choice.material);
-  if (!row)
-    throw InputError("--material", "", choice.material + " is not in the library; `opaline material list` shows it");
-  Material material;
-  material.name = row->name;
-  for (int c = 0; c < 3; ++c) {
-    material.sigma_a[c] = row->sigma_a[static_cast<std::size_t>(c)];
-    material.sigma_s_prime[c] = row->sigma_s_prime[static_cast<std::size_t>(c)];
-  }
-  material.eta = row->eta;
-  scene.materials.push_back(material);
+  scene.materials.push_back(library_material(choice.material));
   return scene;
 }
 

@@ -45,6 +45,9 @@ struct SceneChoice {
   std::size_t transfer_vertices = 150000;  ///< of the teapot that precomputed transfer is measured on
 };
 
+/// Throws InputError for a name that is not in the library.
+Material library_material(const std::string& name);
+
 /// The object centred, side-lit by one white directional light, filling most of the film.
 Scene bench_scene(const SceneChoice& choice);
 
@@ -61,8 +64,11 @@ std::vector<Figure> render_figures(const SceneChoice& choice);
 /// The gather alone: about 1e5 points of a sphere of whole milk, one core.
 std::vector<Figure> sphere_figures(int runs);
 std::vector<Figure> fit_figures(const SceneChoice& choice);
-/// Variance against the Cramer-Rao bound and coverage of the intervals, on small scenes of their own.
-std::vector<Figure> calibration_figures(int repetitions);
+/// Variance against the Cramer-Rao bound and coverage of the intervals, on a small sphere and a mesh (empty: the bust).
+std::vector<Figure> calibration_figures(int repetitions, const std::string& mesh);
+/// Every `every`-th material of the library from a noise-free picture, on a sphere, a mesh (empty: the bust) and a
+/// slab.
+void print_library_figures(const std::string& mesh, std::size_t every);
 /// Two views of the object at 512 x 512: operator, models, bootstrap.
 std::vector<Figure> examination_figures(const SceneChoice& choice);
 /// Of the same object at 64 x 64 pixels, and of a sphere as high.
