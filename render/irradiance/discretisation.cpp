@@ -1,6 +1,7 @@
 #include "render/irradiance/discretisation.h"
 
 #include "model/check.h"
+#include "render/irradiance/probes.h"
 
 #define GLM_ENABLE_EXPERIMENTAL
 #include <glm/gtx/hash.hpp>
@@ -13,69 +14,11 @@
 namespace opaline {
 namespace {
 
-/// How much the irradiance of a cell's quarters differs from the cell's, in the channel where it differs most.
-float spread(const IrradianceField& field, std::size_t cell) {
-  const auto width = static_cast<std::size_t>(field.width());
-  float largest = 0;
-  for (std::size_t q = 0; q < 4; ++q)
-    for (std::size_t m = 0; m < width; ++m)
-      largest =
-          std::max(largest, std::abs(field.quarters[(4 * cell + q) * width + m] - field.values[cell * width + m]));
-  return largest;
-}
-
-float brightest(const IrradianceField& field, std::size_t cell) {
-  const auto width = static_cast<std::ptrdiff_t>(field.width());
-  const auto first = field.values.begin() + static_cast<std::ptrdiff_t>(cell) * width;
-  return *std::max_element(first, first + width);
-}
-
 /// No cell's quarters differ: there is nothing that the cells could leave out.
 bool evenly_lit(const SurfaceCells& cells, const IrradianceField& field) {
   for (std::size_t i = 0; i < cells.size(); ++i)
-    if (spread(field, i) > 1e-6f * brightest(field, i)) return false;
+    if (light_spread(field, i) > 1e-6f * brightest_light(field, i)) return false;
   return true;
-}
-
-/// Points of the surface, a third of them by area, a third by flux and a third by where the irradiance varies within
-/// its cells: a beam or an edge that covers little of the surface is met too.
-struct Probes {
-  std::vector<glm::vec3> positions;
-  std::vector<double> weights;  ///< one over the density: a weighted sum is an integral over the surface
-};
-
-Probes make_probes(const SurfaceCells& cells, const IrradianceField& field) {
-  constexpr std::size_t per_kind = 128;
-  std::array<std::vector<double>, 3> mass;  // of every cell, summed up
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const auto area = static_cast<double>(cell_area(cells[i]));
-    const double of_cell[3] = {area, area * static_cast<double>(brightest(field, i)),
-                               area * static_cast<double>(spread(field, i))};
-    for (std::size_t k = 0; k < 3; ++k) mass[k].push_back((i ? mass[k].back() : 0) + of_cell[k]);
-  }
-  const auto share = [&](std::size_t kind, std::size_t cell) {
-    const double total = mass[kind].back();
-    return total > 0 ? (mass[kind][cell] - (cell ? mass[kind][cell - 1] : 0)) / total : 0.0;
-  };
-  Probes probes;
-  for (std::size_t kind = 0; kind < 3; ++kind) {
-    if (mass[kind].back() <= 0) continue;
-    for (std::size_t i = 0; i < per_kind; ++i) {
-      const double target = (static_cast<double>(i) + 0.5) / per_kind * mass[kind].back();
-      const auto cell =
-          static_cast<std::size_t>(std::upper_bound(mass[kind].begin(), mass[kind].end(), target) - mass[kind].begin());
-      if (cell >= cells.size()) continue;
-      // A low-discrepancy sequence of the plane, folded into the triangle.
-      float u = static_cast<float>(std::fmod(0.7548776662466927 * static_cast<double>(i + 1), 1.0)),
-            v = static_cast<float>(std::fmod(0.5698402909980532 * static_cast<double>(i + 1), 1.0));
-      if (u + v > 1) u = 1 - u, v = 1 - v;
-      const SurfaceCell& c = cells[cell];
-      probes.positions.push_back(c.a + u * (c.b - c.a) + v * (c.c - c.a));
-      const double density = share(0, cell) + share(1, cell) + share(2, cell);
-      probes.weights.push_back(static_cast<double>(cell_area(c)) / density);
-    }
-  }
-  return probes;
 }
 
 /// Every quarter as a cell with its own irradiance.
@@ -91,7 +34,7 @@ std::vector<double> indicators(const SurfaceCells& cells, const IrradianceField&
   std::vector<double> all(cells.size());
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const auto area = static_cast<double>(cell_area(cells[i]));
-    all[i] = area * static_cast<double>(spread(field, i)) * std::min(1.0, std::sqrt(area) / core);
+    all[i] = area * static_cast<double>(light_spread(field, i)) * std::min(1.0, std::sqrt(area) / core);
   }
   return all;
 }
@@ -199,7 +142,7 @@ class Discretiser {
     float light = 0;
     for (const float e : d.irradiance.values) light = std::max(light, e);
     for (std::size_t i = 0; i < d.cells.size(); ++i)
-      if (spread(d.irradiance, i) > edge * light) return true;
+      if (light_spread(d.irradiance, i) > edge * light) return true;
     return false;
   }
 
@@ -224,9 +167,9 @@ class Discretiser {
     std::vector<std::uint32_t> near;
     std::unordered_set<glm::vec3> corners;
     for (std::size_t i = 0; i < d.cells.size(); ++i) {
-      const float bright = brightest(d.irradiance, i);
+      const float bright = brightest_light(d.irradiance, i);
       const SurfaceCell& c = d.cells[i];
-      if (bright > 0 && spread(d.irradiance, i) >= edge * bright) corners.insert({c.a, c.b, c.c});
+      if (bright > 0 && light_spread(d.irradiance, i) >= edge * bright) corners.insert({c.a, c.b, c.c});
     }
     for (std::size_t i = 0; i < d.cells.size() && !corners.empty(); ++i) {
       const SurfaceCell& c = d.cells[i];
