@@ -3,13 +3,9 @@
 #include "model/check.h"
 #include "render/irradiance/probes.h"
 
-#define GLM_ENABLE_EXPERIMENTAL
-#include <glm/gtx/hash.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <unordered_set>
 
 namespace opaline {
 namespace {
@@ -147,36 +143,24 @@ class Discretiser {
   }
 
   /// Four points don't find the flux of a cell that an edge of light crosses, and its quarters share their mistake:
-  /// they get points of their own. So do the cells that touch such a cell, whose points may all have missed the edge.
-  /// Returns the cells.
+  /// they get points of their own. Returns the cells.
   std::vector<std::uint32_t> light_edges_again(const Discretisation& d, const SurfaceCells& quarters,
                                                IrradianceField& field) {
-    const std::vector<std::uint32_t> near = near_edges(d);
-    if (near.empty()) return near;
+    std::vector<std::uint32_t> crossed;
     SurfaceCells again;
-    for (const std::uint32_t i : near) again.insert(again.end(), &quarters[4 * i], &quarters[4 * i] + 4);
-    const IrradianceField lit = object_irradiance(scene_, rays_, object_, again, d.cells.size(), light_, counters_);
-    const auto stride = static_cast<std::ptrdiff_t>(4 * lit.width());
-    for (std::size_t k = 0; k < near.size(); ++k)
-      std::copy_n(lit.values.begin() + static_cast<std::ptrdiff_t>(k) * stride, stride,
-                  field.values.begin() + static_cast<std::ptrdiff_t>(near[k]) * stride);
-    return near;
-  }
-
-  static std::vector<std::uint32_t> near_edges(const Discretisation& d) {
-    std::vector<std::uint32_t> near;
-    std::unordered_set<glm::vec3> corners;
     for (std::size_t i = 0; i < d.cells.size(); ++i) {
       const float bright = brightest_light(d.irradiance, i);
-      const SurfaceCell& c = d.cells[i];
-      if (bright > 0 && light_spread(d.irradiance, i) >= edge * bright) corners.insert({c.a, c.b, c.c});
+      if (bright <= 0 || light_spread(d.irradiance, i) < edge * bright) continue;
+      crossed.push_back(static_cast<std::uint32_t>(i));
+      again.insert(again.end(), &quarters[4 * i], &quarters[4 * i] + 4);
     }
-    for (std::size_t i = 0; i < d.cells.size() && !corners.empty(); ++i) {
-      const SurfaceCell& c = d.cells[i];
-      if (corners.contains(c.a) || corners.contains(c.b) || corners.contains(c.c))
-        near.push_back(static_cast<std::uint32_t>(i));
-    }
-    return near;
+    if (crossed.empty()) return crossed;
+    const IrradianceField lit = object_irradiance(scene_, rays_, object_, again, d.cells.size(), light_, counters_);
+    const auto stride = static_cast<std::ptrdiff_t>(4 * lit.width());
+    for (std::size_t k = 0; k < crossed.size(); ++k)
+      std::copy_n(lit.values.begin() + static_cast<std::ptrdiff_t>(k) * stride, stride,
+                  field.values.begin() + static_cast<std::ptrdiff_t>(crossed[k]) * stride);
+    return crossed;
   }
 
   /// What was found about those cells stays: the error of the cells given is below its estimate from here on.
