@@ -95,6 +95,7 @@ TEST_P(DiscretisationOf, ReachesItsToleranceFromCoarseCells) {
     EXPECT_LE(d.error, tolerance);
     const double error = relative_rms(cut.exitance(d), exact);
     EXPECT_LT(error, 1.25 * tolerance) << d.cells.size() << " cells, estimated " << d.error;
+    EXPECT_LT(error, 1.2 * d.error) << "the estimate is too small";
     EXPECT_GT(error, 0.03 * d.error) << "the estimate is far too large";
     EXPECT_EQ(d.irradiance.values.size(), d.cells.size());
   }
