@@ -3,6 +3,7 @@
 #include "render/stopwatch.h"
 
 #include <tbb/parallel_for.h>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <random>
@@ -50,7 +51,8 @@ void summarise(Bootstrap& b, const Eigen::VectorXd& solution) {
 
 }  // namespace
 
-Bootstrap bootstrap(const FitProblem& problem, const Solution& solution, int repetitions, std::uint64_t seed) {
+Bootstrap bootstrap(const FitProblem& problem, const Solution& solution, int repetitions, std::uint64_t seed,
+                    const Eigen::MatrixXd& sensitivity) {
   Stopwatch watch;
   const FitPoint best{solution.parameters, solution.ln_scale};
   const std::vector<Eigen::VectorXd> expected = problem.expected_data(best);
@@ -70,7 +72,12 @@ Bootstrap bootstrap(const FitProblem& problem, const Solution& solution, int rep
       ++b.failed;
   }
   b.draws.conservativeResize(kept, columns);
-  summarise(b, as_row(problem, best, columns));
+  const Eigen::VectorXd centre = as_row(problem, best, columns);
+  if (sensitivity.size() > 0) {
+    const Eigen::MatrixXd moved = (b.draws.rowwise() - centre.transpose()).transpose();
+    b.draws = sensitivity.partialPivLu().solve(moved).transpose().rowwise() + centre.transpose();
+  }
+  summarise(b, centre);
   b.seconds = watch.lap();
   return b;
 }

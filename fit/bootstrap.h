@@ -18,6 +18,9 @@ struct Bootstrap {
 /// Parametric: data drawn from the model at the solution with the noise that weights it. In the whitened coordinates
 /// of Q that is one unit normal per residual, exactly the noise of all pixels seen by the fit, so a repetition costs a
 /// few solver steps and no pixel. Numbered by `seed`: the same for any number of threads.
-Bootstrap bootstrap(const FitProblem& problem, const Solution& solution, int repetitions, std::uint64_t seed);
+/// sensitivity: of the operator's parameters to the reference's (defect_correction.h), or empty: draws are the
+/// reference's, its inverse times what the operator's move.
+Bootstrap bootstrap(const FitProblem& problem, const Solution& solution, int repetitions, std::uint64_t seed,
+                    const Eigen::MatrixXd& sensitivity = {});
 
 }  // namespace opaline

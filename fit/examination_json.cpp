@@ -67,6 +67,25 @@ json bootstrap_json(const Bootstrap& b, const json& names) {
   return {{"repetitions", b.draws.rows()}, {"failed", b.failed}, {"parameters", parameters}, {"seconds", b.seconds}};
 }
 
+json correction_json(const Correction& c, const json& names) {
+  json steps = json::array(), sensitivity = json::array();
+  for (const CorrectionStep& step : c.steps) {
+    json at;
+    for (int i = 0; i < parameter_count; ++i)
+      at[std::string(names[static_cast<std::size_t>(i)])] =
+          number(natural_value(i, step.at[static_cast<std::size_t>(i)]));
+    steps.push_back({{"at", at}, {"operator_relative_rms", number(step.defect)}, {"moved_sd", number(step.moved)}});
+  }
+  for (Eigen::Index i = 0; i < c.sensitivity.rows(); ++i) {
+    json row = json::array();
+    for (Eigen::Index j = 0; j < c.sensitivity.cols(); ++j) row.push_back(number(c.sensitivity(i, j)));
+    sensitivity.push_back(row);
+  }
+  return {{"converged", c.converged}, {"renders", c.renders},       {"renders_saved", c.renders_saved},
+          {"measured", c.measured},   {"sensitivity", sensitivity}, {"steps", steps},
+          {"seconds", c.seconds}};
+}
+
 json surface_json(const SurfaceBias& s) {
   return {{"radius_mm", number(s.shape.radius_mm)},
           {"mean_incidence_deg", number(s.shape.incidence_deg)},

@@ -2,6 +2,7 @@
 
 #include "fit/profile_interval.h"
 #include "fit/reduced_picture.h"
+#include "fit/rendered_reference.h"
 #include "fit/residual_structure.h"
 #include "fit/straight_view.h"
 #include "render/choices.h"
@@ -72,13 +73,8 @@ EtaNodes eta_nodes(const FitJob& job, const Scene& scene, int material) {
   return EtaNodes(scene.materials[static_cast<std::size_t>(material)].eta);
 }
 
-struct Loaded {
-  std::shared_ptr<const Scene> scene;
-  int material;
-};
-
-std::vector<Loaded> load_scenes(const FitJob& job, const ShapeLibrary& shapes) {
-  std::vector<Loaded> loaded;
+std::vector<TargetScene> load_scenes(const FitJob& job, const ShapeLibrary& shapes) {
+  std::vector<TargetScene> loaded;
   for (const std::string& path : job.scenes) {
     auto scene = std::make_shared<const Scene>(load_scene(path, shapes));
     const int material = fitted_material(*scene, job.material);
@@ -105,7 +101,7 @@ TargetOptions options_of(const FitJob& job, std::size_t i) {
 }
 
 /// The operator of the pixels that any target of this scene uses.
-TransportOperator usable_operator(const FitJob& job, const Loaded& loaded, const std::vector<float>& mask) {
+TransportOperator usable_operator(const FitJob& job, const TargetScene& loaded, const std::vector<float>& mask) {
   const Scene& scene = *loaded.scene;
   TransportOperator op = build_operator(scene, loaded.material, eta_nodes(job, scene, loaded.material), job.op, mask);
   if (op.rows() > 0 && std::all_of(op.values.begin(), op.values.end(), [](float value) { return value == 0; }))
@@ -119,7 +115,7 @@ struct SceneGroup {
   std::vector<std::size_t> targets;
 };
 
-std::vector<SceneGroup> group_by_scene(const std::vector<Loaded>& loaded) {
+std::vector<SceneGroup> group_by_scene(const std::vector<TargetScene>& loaded) {
   std::vector<SceneGroup> groups;
   for (std::size_t i = 0; i < loaded.size(); ++i) {
     const auto same = std::find_if(groups.begin(), groups.end(),
@@ -139,7 +135,7 @@ std::vector<float> union_of_masks(const std::vector<TargetPicture>& pictures, co
   return any;
 }
 
-FittedTarget describe(const FitJob& job, const Loaded& loaded, const FitTarget& fitted, std::size_t i,
+FittedTarget describe(const FitJob& job, const TargetScene& loaded, const FitTarget& fitted, std::size_t i,
                       const ProfileInfo& profile, const FitReport& report) {
   FittedTarget out;
   out.scene = job.scenes[std::min(i, job.scenes.size() - 1)];
@@ -153,9 +149,12 @@ FittedTarget describe(const FitJob& job, const Loaded& loaded, const FitTarget& 
       const std::size_t at = fitted.op.pixels[row] * 4u + c;
       const auto column =
           static_cast<Eigen::Index>(std::min<std::size_t>(c, static_cast<std::size_t>(fitted.channels) - 1));
-      const float value = c == 3 ? 1 : static_cast<float>(fitted.picture(static_cast<Eigen::Index>(row), column));
-      out.picture.data[at] = value;
+      const auto p = static_cast<Eigen::Index>(row);
+      const float value = c == 3 ? 1 : static_cast<float>(fitted.picture(p, column));
+      const float off = c == 3 || fitted.offset.size() == 0 ? 0 : static_cast<float>(fitted.offset(p, column));
       out.difference.data[at] = c == 3 ? 1 : out.refit.data[at] - value;
+      out.picture.data[at] = value + off;
+      out.refit.data[at] += off;
     }
   out.neighbour_correlation = neighbour_correlation(out.difference);
   out.operator_error = operator_error(*loaded.scene, fitted, job.op, profile, report.material, loaded.material);
@@ -164,7 +163,7 @@ FittedTarget describe(const FitJob& job, const Loaded& loaded, const FitTarget& 
 }
 
 /// Reads all targets before any operator is gathered: wrong input ends early.
-std::vector<TargetPicture> read_targets(const FitJob& job, const std::vector<Loaded>& loaded) {
+std::vector<TargetPicture> read_targets(const FitJob& job, const std::vector<TargetScene>& loaded) {
   std::vector<TargetPicture> pictures;
   for (std::size_t i = 0; i < job.targets.size(); ++i)
     pictures.push_back(read_target(job.targets[i], *loaded[i].scene, options_of(job, i)));
@@ -172,7 +171,7 @@ std::vector<TargetPicture> read_targets(const FitJob& job, const std::vector<Loa
 }
 
 /// Operators and reductions of all targets, in their order.
-std::vector<FitTarget> make_targets(const FitJob& job, const std::vector<Loaded>& loaded,
+std::vector<FitTarget> make_targets(const FitJob& job, const std::vector<TargetScene>& loaded,
                                     const std::vector<TargetPicture>& pictures, FitReport& report,
                                     const std::function<void(const std::string&)>& stage) {
   std::vector<std::optional<FitTarget>> made(job.targets.size());
@@ -204,16 +203,18 @@ void examine(const FitJob& job, const std::vector<FitTarget>& targets, const Pro
   const Solution& s = report.solution;
   report.uncertainty = uncertainty(s, job.solve.free);
   const FitProblem problem(targets, s.whitened, profile, report.job.solve, s.bounds);
-  if (job.profile_intervals && job.solve.loss.kind == RobustLoss::Kind::squares)
+  const bool measured = report.correction && report.correction->measured;  // then the operator's likelihood is not it
+  if (job.profile_intervals && job.solve.loss.kind == RobustLoss::Kind::squares && !measured)
     profile_intervals(problem, s, report.uncertainty);
   report.diagnosis = diagnose(s, report.uncertainty);
   if (job.bootstrap == 0) return;
   stage("bootstrap");
-  report.repetitions = bootstrap(problem, s, job.bootstrap, job.solve.seed);
+  report.repetitions = bootstrap(problem, s, job.bootstrap, job.solve.seed,
+                                 measured ? report.correction->sensitivity : Eigen::MatrixXd());
 }
 
 /// The profile, and with it report.solution; a second form of transport is tried where all targets are straight on.
-const ProfileInfo& solve_for_profile(const FitJob& job, const std::vector<Loaded>& loaded,
+const ProfileInfo& solve_for_profile(const FitJob& job, const std::vector<TargetScene>& loaded,
                                      const std::vector<FitTarget>& targets, const Material& initial, FitReport& report,
                                      std::string& note) {
   const ProfileInfo& profile = model_of(job);
@@ -231,6 +232,33 @@ const ProfileInfo& solve_for_profile(const FitJob& job, const std::vector<Loaded
   report.job.model = form.profile->name;
   note = form.note;
   return *form.profile;
+}
+
+/// Makes the fit that of the reference technique, if the job has one.
+void correct(const FitJob& job, const std::vector<TargetScene>& loaded, std::vector<FitTarget>& targets,
+             const ProfileInfo& profile, const Material& initial, FitReport& report) {
+  RenderOptions options = *job.reference;
+  options.shared = {job.op.samples, job.op.irradiance};
+  const bool statistical = find_technique(options.technique).statistical;
+  if (statistical) options.shared.irradiance.seed += 7919;  // a synthetic picture's own noise would be no noise
+  const FreeParameters& free = job.solve.free;
+  report.correction = correct_by_reference(targets, profile, initial, job.solve,
+                                           rendered_reference(loaded, targets, initial, free, options), job.correction,
+                                           report.solution);
+  report.solve_seconds += report.correction->seconds;
+}
+
+/// How far the correction went, and what it leaves open.
+void add_correction_note(const FitJob& job, FitReport& report) {
+  const Correction& c = *report.correction;
+  const CorrectionStep& last = c.steps.back();
+  report.uncertainty.notes.push_back(
+      c.converged
+          ? fmt::format("corrected by {}, {} renders: the operator alone is {:.2g} of the picture (rms) off there",
+                        job.reference->technique, c.renders, last.defect)
+          : fmt::format("the correction by {} did not settle in {} steps (the last was {:.2g} standard deviations): "
+                        "allow more, or make its pictures less noisy",
+                        job.reference->technique, c.steps.size(), last.moved));
 }
 
 /// What the residual says against the fit, whatever its size.
@@ -266,19 +294,32 @@ FitReport run_fit(const FitJob& job, const ShapeLibrary& shapes,
   model_of(job);  // a wrong name ends before the work
   Stopwatch total;
   stage("load");
-  const std::vector<Loaded> loaded = load_scenes(job, shapes);
+  const std::vector<TargetScene> loaded = load_scenes(job, shapes);
+  if (job.reference) check_reference(*job.reference, loaded);
   const std::vector<TargetPicture> pictures = read_targets(job, loaded);
   FitReport report;
   report.job = job;
-  const std::vector<FitTarget> targets = make_targets(job, loaded, pictures, report, stage);
+  std::vector<FitTarget> targets = make_targets(job, loaded, pictures, report, stage);
   stage("solve");
   const Material& initial = loaded.front().scene->materials[static_cast<std::size_t>(loaded.front().material)];
   std::string form;
   const ProfileInfo& profile = solve_for_profile(job, loaded, targets, initial, report, form);
+  if (job.compare_models) {
+    stage("compare");
+    report.comparison =
+        compare_models(targets, profile.name, report.solution, uncertainty(report.solution, job.solve.free),
+                       to_material(report.solution.parameters, initial, job.solve.free), job.solve);
+  }
+  if (job.reference) {
+    stage("correct");
+    correct(job, loaded, targets, profile, initial, report);
+  }
   examine(job, targets, profile, stage, report);
   report.material = to_material(report.solution.parameters, initial, job.solve.free);
+  if (report.correction) add_correction_note(job, report);
   if (!form.empty()) report.uncertainty.notes.push_back(form);
-  if (profile.name == "transport_table" || profile.radiance) {
+  const bool by_transport = report.correction && find_technique(job.reference->technique).statistical;
+  if ((profile.name == "transport_table" || profile.radiance) && !by_transport) {
     report.surface = surface_bias(surface_shape(*loaded.front().scene, loaded.front().material), report.material);
     if (!report.surface->note.empty()) report.uncertainty.notes.push_back(report.surface->note);
   }
@@ -289,11 +330,6 @@ FitReport run_fit(const FitJob& job, const ShapeLibrary& shapes,
     report.targets[i].near_highlights = pictures[i].near_highlights;
   }
   add_residual_notes(report);
-  if (job.compare_models) {
-    stage("compare");
-    report.comparison =
-        compare_models(targets, profile.name, report.solution, report.uncertainty, report.material, job.solve);
-  }
   if (job.advise) {
     stage("advise");
     report.advice = advise(*loaded.front().scene, loaded.front().material, profile, report.solution, report.uncertainty,

@@ -4,12 +4,13 @@
 #include "fit/advise.h"
 #include "fit/bootstrap.h"
 #include "fit/compare_models.h"
+#include "fit/defect_correction.h"
 #include "fit/diagnosis.h"
 #include "fit/solve.h"
 #include "fit/surface_bias.h"
 #include "fit/target_picture.h"
 #include "fit/uncertainty.h"
-#include "render/scene/scene.h"
+#include "render/render_scene.h"
 
 #include <functional>
 #include <optional>
@@ -33,6 +34,8 @@ struct FitJob {
   bool profile_intervals = true;     ///< correct intervals where the likelihood is no parabola
   int bootstrap = 0;                 ///< refits with other noise
   bool advise = false;               ///< which further picture would help most
+  std::optional<RenderOptions> reference;  ///< whose fit it is to be (defect_correction.h); its `shared` is not read
+  CorrectionSettings correction;
   OperatorSettings op;
   SolveSettings solve;
 };
@@ -64,7 +67,8 @@ struct FitReport {
   std::vector<FittedTarget> targets;
   Diagnosis diagnosis;
   std::optional<SurfaceBias> surface;  ///< of the first scene; of fits with transport only
-  std::optional<ModelComparison> comparison;
+  std::optional<Correction> correction;
+  std::optional<ModelComparison> comparison;  ///< of the pictures as they are, without correction
   std::optional<Bootstrap> repetitions;
   std::vector<Advice> advice;
   double operator_seconds = 0, solve_seconds = 0, total_seconds = 0;

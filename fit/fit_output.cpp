@@ -164,6 +164,7 @@ nlohmann::json fit_json(const FitReport& report) {
   document["refusal"] = report.diagnosis.refusal;
   document["chi_squared_per_value"] = number(s.chi_squared / std::max(s.freedom, 1.0));
   document["diagnosis"] = diagnosis_json(report.diagnosis);
+  if (report.correction) document["correction"] = correction_json(*report.correction, names);
   if (report.surface) document["surface"] = surface_json(*report.surface);
   if (report.comparison) document["models"] = comparison_json(*report.comparison);
   if (report.repetitions) document["bootstrap"] = bootstrap_json(*report.repetitions, names);

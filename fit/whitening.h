@@ -18,6 +18,7 @@ struct FitTarget {
   TransportOperator op;  ///< without its values
   OrthonormalOperator basis;
   Eigen::MatrixXd picture{};                           ///< rows x channels, linear
+  Eigen::MatrixXd offset{};                            ///< taken off the picture (defect_correction.h), or empty
   int channels = 3;                                    ///< 1: a grey picture; only R's coefficients show
   std::array<Eigen::VectorXd, 3> y{};                  ///< Q^T t per channel
   Eigen::Matrix3d products = Eigen::Matrix3d::Zero();  ///< t_c . t_d

@@ -24,6 +24,17 @@ std::string comparison_rows(const ModelComparison& comparison) {
   return text + fmt::format("compared in {:.2f} s\n", comparison.seconds);
 }
 
+std::string correction_rows(const FitReport& report) {
+  const Correction& c = *report.correction;
+  std::string text =
+      fmt::format("\ncorrected by {}: {} renders in {:.1f} s{}\n", report.job.reference->technique, c.renders,
+                  c.seconds, c.renders_saved > 0 ? fmt::format(" ({} saved: near enough)", c.renders_saved) : "");
+  for (std::size_t i = 0; i < c.steps.size(); ++i)
+    text += fmt::format("  step {}: operator off by {:.2g} of the picture, moved by {:.2g} standard deviations\n",
+                        i + 1, c.steps[i].defect, c.steps[i].moved);
+  return text;
+}
+
 std::string bootstrap_rows(const FitReport& report) {
   const Bootstrap& b = *report.repetitions;
   std::string text =
@@ -45,6 +56,7 @@ std::string advice_rows(const std::vector<Advice>& advice) {
 
 std::string examination_table(const FitReport& report) {
   std::string text;
+  if (report.correction) text += correction_rows(report);
   if (report.comparison) text += comparison_rows(*report.comparison);
   if (report.repetitions) text += bootstrap_rows(report);
   if (!report.advice.empty()) text += advice_rows(report.advice);

@@ -2,6 +2,7 @@
 
 #include "model/materials/exchange.h"
 #include "render/cmd/render_arguments.h"
+#include "render/input_error.h"
 
 namespace opaline {
 namespace {
@@ -32,6 +33,17 @@ void add_inputs(CLI::App& fit, FitArguments& a) {
       ->delimiter(',')
       ->allow_extra_args(false);
   fit.add_option("--truth", a.truth, "truth.json of a synthetic dataset: adds the true values to the table");
+}
+
+void add_correction(CLI::App& fit, FitArguments& a) {
+  fit.add_option("--correct-with", a.reference,
+                 "Make the fit that of this technique, by renders at the solution: path_traced is transport on the "
+                 "object's own shape, hierarchical the operator without its interpolation");
+  fit.add_option("--correct-set", a.reference_settings, "Setting of that technique, key=value; may be repeated")
+      ->allow_extra_args(false);
+  fit.add_option("--correct-steps", a.job.correction.max_steps, "Most corrections, a render each")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
 }
 
 void add_reading(CLI::App& fit, FitArguments& a) {
@@ -88,6 +100,7 @@ void add_numbers(CLI::App& fit, FitArguments& a) {
 
 void add_fit_options(CLI::App& fit, FitArguments& a) {
   add_inputs(fit, a);
+  add_correction(fit, a);
   add_reading(fit, a);
   add_examination(fit, a);
   add_numbers(fit, a);
@@ -98,6 +111,12 @@ void complete(FitArguments& a) {
   for (const std::string& name : a.exports) find_exchange_format(name);
   for (const std::string& text : a.priors)
     for (const Prior& prior : parse_prior(text)) a.job.solve.priors.push_back(prior);
+  if (a.reference.empty() && !a.reference_settings.empty())
+    throw InputError("--correct-set", "", "is for the technique of --correct-with, which is missing");
+  if (!a.reference.empty()) {
+    a.job.reference.emplace().technique = a.reference;
+    a.job.reference->settings = parse_assignments(a.reference_settings, "--correct-set");
+  }
   a.job.exitance_only = a.exit == "exitance";
   a.job.scale_free = a.scale == "free";
   a.job.profile_intervals = !a.parabola;

@@ -12,8 +12,9 @@ namespace opaline {
 
 struct FitArguments {
   FitJob job;
-  std::string free = "sigma_a,sigma_s_prime,eta", exit = "auto", scale = "known", loss = "squares", out, truth;
-  std::vector<std::string> priors, exports;
+  std::string free = "sigma_a,sigma_s_prime,eta", exit = "auto", scale = "known", loss = "squares", out, truth,
+              reference;
+  std::vector<std::string> priors, exports, reference_settings;
   double saturation = -1;
   int threads = 0;
   bool json = false, parabola = false, allow_undetermined = false;

@@ -50,14 +50,14 @@ std::unique_ptr<tbb::global_control> limit_threads(int threads) {
                                                static_cast<std::size_t>(threads));
 }
 
-std::map<std::string, std::string> parse_assignments(const std::vector<std::string>& texts) {
+std::map<std::string, std::string> parse_assignments(const std::vector<std::string>& texts, const std::string& option) {
   std::map<std::string, std::string> assignments;
   for (const std::string& text : texts) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0)
-      throw std::invalid_argument(fmt::format("--set: \"{}\" is not key=value", text));
+      throw std::invalid_argument(fmt::format("{}: \"{}\" is not key=value", option, text));
     if (!assignments.emplace(text.substr(0, equals), text.substr(equals + 1)).second)
-      throw std::invalid_argument(fmt::format("--set: \"{}\" is given twice", text.substr(0, equals)));
+      throw std::invalid_argument(fmt::format("{}: \"{}\" is given twice", option, text.substr(0, equals)));
   }
   return assignments;
 }

@@ -19,8 +19,9 @@ void add_threads_option(CLI::App& command, int& threads);
 /// At most that many threads work while the result lives; 0: no limit, null.
 std::unique_ptr<tbb::global_control> limit_threads(int threads);
 
-/// "key=value" texts as a map. Throws std::invalid_argument for one without "=" or a key given twice.
-std::map<std::string, std::string> parse_assignments(const std::vector<std::string>& texts);
+/// "key=value" texts of an option as a map. Throws std::invalid_argument for one without "=" or a key given twice.
+std::map<std::string, std::string> parse_assignments(const std::vector<std::string>& texts,
+                                                     const std::string& option = "--set");
 
 /// Throws InputError unless `path` ends in `extension` and its folder exists; an empty path is fine.
 /// Called before the work, so that an hour's image isn't lost to a misspelt folder.

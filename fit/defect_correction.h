@@ -1,0 +1,68 @@
+// A fit that agrees with a renderer instead of the operator alone. The operator is a fast model of the picture, the
+// renderer a slow one that knows more: the gather without the operator's interpolation, or path tracing, which knows
+// that surfaces bend and that light falls obliquely. The data are corrected by what the operator gets wrong,
+//
+//   t_k = t - (reference(theta_k) - operator(theta_k)),   theta_{k+1} = argmin |operator(theta) - t_k|,
+//
+// until theta stays. There J^T (reference(theta) - t) = 0 with the operator's J: the reference's own fit, but for
+// weights that are a little less than the best. A few renders instead of one for every derivative ("defect correction":
+// Stetter 1978; "space mapping" in design: Bandler et al. 2004).
+//
+// Where the operator is far off, its derivatives are too. Then a few more renders beside theta give the matrix A with
+// J_reference = J_operator A in the directions that the data see; steps become A^-1 times the operator's (Newton's, as
+// in "manifold mapping": Echeverria, Hemker 2005), and the covariance is that of J A.
+#pragma once
+
+#include "fit/solve.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace opaline {
+
+/// A target's rows x channels as the reference makes them, without the target's scale, and their noise.
+struct ReferencePicture {
+  Eigen::MatrixXd rows;
+  NoiseModel noise;
+};
+
+/// All targets' pictures of a material. The same random numbers in every call, so that differences are small.
+using Reference = std::function<std::vector<ReferencePicture>(const ParameterVector& parameters)>;
+
+struct CorrectionSettings {
+  int max_steps = 8;
+  /// A is measured where the operator's picture is further than this from the reference's (relative RMS).
+  double measure_from = 0.01;
+  /// A step shorter than this many standard deviations for each free parameter ends the search,
+  double small_step = 0.3;
+  double least_step = 1e-5;  ///< or one of no parameter's ln (of eta: the value) more than this
+};
+
+struct CorrectionStep {
+  ParameterVector at{};  ///< what was rendered
+  double defect = 0;     ///< RMS of reference - operator over the RMS of the reference, all targets
+  double moved = 0;      ///< length of the step from there in standard deviations
+};
+
+struct Correction {
+  std::vector<CorrectionStep> steps;
+  bool converged = false;
+  int renders = 0;
+  int renders_saved = 0;  ///< of the measurement of A, where the operator was near enough without
+  /// d operator / d reference of the solver's parameters and the free ln scales; identity if not measured.
+  Eigen::MatrixXd sensitivity;
+  bool measured = false;
+  double seconds = 0;
+};
+
+/// `found`: the fit without correction; it becomes the corrected fit, with the Jacobian J A. The targets keep their
+/// corrected pictures, FitTarget::offset what was taken off, and noise that holds the reference's where it is known.
+Correction correct_by_reference(std::vector<FitTarget>& targets, const ProfileInfo& profile, const Material& initial,
+                                const SolveSettings& settings, const Reference& reference,
+                                const CorrectionSettings& correction, Solution& found);
+
+/// The noise of a difference or sum of two independent pictures.
+NoiseModel sum_of_noise(const NoiseModel& a, const NoiseModel& b, double scale_of_b);
+
+}  // namespace opaline
