@@ -1,7 +1,8 @@
 #include "fit/defect_correction.h"
 
-#include "fit/fit_problem.h"
+#include "fit/noise_weights.h"
 #include "fit/reduced_picture.h"
+#include "fit/reference_sensitivity.h"
 #include "render/stopwatch.h"
 
 #include <Eigen/Cholesky>
@@ -16,227 +17,308 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Secants of the reference: far enough for its noise, near enough for the operator to bend alike.
-constexpr double ln_secant = 0.25, eta_secant = 0.05;
-
-class Corrector {
+/// How pixels are weighted at one place, kept while others are compared with it.
+class FixedWeights {
  public:
-  Corrector(std::vector<FitTarget>& targets, const ProfileInfo& profile, const Material& initial,
-            const SolveSettings& settings, const Reference& reference, const CorrectionSettings& correction,
-            Solution& found)
-      : targets_(targets),
-        profile_(profile),
-        initial_(initial),
-        settings_(settings),
-        reference_(reference),
-        rules_(correction),
-        found_(found) {
-    for (const FitTarget& target : targets) pictures_.push_back(target.picture), noise_.push_back(target.noise);
-    out_.sensitivity = MatrixXd::Identity(columns(), columns());
+  FixedWeights(const FitProblem& problem, const FitPoint& at) : covariance_(noise_at(problem, at)) {
+    for (std::size_t t = 0; t < problem.targets().size(); ++t) {
+      const FitTarget& target = problem.targets()[t];
+      const MatrixXd fitted = fitted_rows(problem, at, t);
+      even_.push_back(!target.noise.known || target.noise.uniform());
+      precision_.push_back(even_[t]
+                               ? PixelPrecision()
+                               : pixel_precision(target, completed_noise(target, fitted), target.noise_signal(fitted)));
+    }
   }
 
-  Correction run() {
-    Stopwatch watch;
-    while (!out_.converged && static_cast<int>(out_.steps.size()) < rules_.max_steps) step();
-    if (!out_.measured) out_.renders_saved = static_cast<int>(groups().size());
-    found_.jacobian.topRows(data_rows()) *= out_.sensitivity;
-    found_.converged &= out_.converged;
-    out_.seconds = watch.lap();
+  std::vector<Whitened> whiten(const std::vector<FitTarget>& targets) const {
+    std::vector<Whitened> all;
+    for (std::size_t t = 0; t < targets.size(); ++t)
+      all.push_back(even_[t] ? opaline::whiten(targets[t], covariance_[t])
+                             : opaline::whiten(targets[t], precision_[t]));
+    return all;
+  }
+
+ private:
+  std::vector<Covariance> covariance_;
+  std::vector<bool> even_;
+  std::vector<PixelPrecision> precision_;
+};
+
+/// Every pixel's mean of the fitted pixels around it in a window of 5 x 5, itself left out: as bright, but with nothing
+/// of the pixel's own noise in it, which would give its darker values the larger weights.
+MatrixXd neighbours_mean(const MatrixXd& rows, const TransportOperator& op) {
+  constexpr int reach = 2;
+  std::vector<Index> row_of(static_cast<std::size_t>(op.width) * static_cast<std::size_t>(op.height), -1);
+  for (std::size_t p = 0; p < op.rows(); ++p) row_of[op.pixels[p]] = static_cast<Index>(p);
+  MatrixXd out = rows;
+  for (Index p = 0; p < rows.rows(); ++p) {
+    const auto pixel = static_cast<int>(op.pixels[static_cast<std::size_t>(p)]);
+    const int x = pixel % op.width, y = pixel / op.width;
+    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(rows.cols());
+    int count = 0;
+    for (int v = std::max(y - reach, 0); v <= std::min(y + reach, op.height - 1); ++v)
+      for (int u = std::max(x - reach, 0); u <= std::min(x + reach, op.width - 1); ++u) {
+        const Index other = row_of[static_cast<std::size_t>(v * op.width + u)];
+        if (other >= 0 && other != p) sum += rows.row(other), ++count;
+      }
+    if (count > 0) out.row(p) = sum / count;
+  }
+  return out;
+}
+
+/// The pictures as measured, which the targets no longer have.
+struct Measured {
+  std::vector<MatrixXd> pictures;
+  std::vector<NoiseModel> noise;
+
+  explicit Measured(const std::vector<FitTarget>& targets) {
+    for (const FitTarget& target : targets) pictures.push_back(target.picture), noise.push_back(target.noise);
+  }
+};
+
+/// RMS of the reference's pictures minus the measured ones over that of the measured ones.
+double relative_residual(const Measured& measured, const FitPoint& at, const std::vector<ReferencePicture>& made) {
+  double off = 0, all = 0;
+  for (std::size_t t = 0; t < made.size(); ++t) {
+    off += (std::exp(at.ln_scale[t]) * made[t].rows - measured.pictures[t]).squaredNorm();
+    all += measured.pictures[t].squaredNorm();
+  }
+  return std::sqrt(off / all);
+}
+
+/// Takes off what the operator gets wrong at `at`; returns its relative RMS.
+double take_defect(std::vector<FitTarget>& targets, const Measured& measured, const ProfileInfo& profile,
+                   const FitPoint& at, const std::vector<ReferencePicture>& made) {
+  double defect = 0, all = 0;
+  for (std::size_t t = 0; t < targets.size(); ++t) {
+    const double scale = std::exp(at.ln_scale[t]);
+    const MatrixXd off = made[t].rows - target_rows(targets[t], profile, to_material(at.material, {}));
+    defect += off.squaredNorm(), all += made[t].rows.squaredNorm();
+    targets[t].offset = scale * off;
+    targets[t].light = neighbours_mean(scale * made[t].rows, targets[t].op);
+    targets[t].noise = sum_of_noise(measured.noise[t], made[t].noise, scale);
+    replace_picture(targets[t], measured.pictures[t] - targets[t].offset);
+  }
+  return all > 0 ? std::sqrt(defect / all) : 0;
+}
+
+/// One place of the search: what the reference makes there, and the least-squares problem around it.
+struct Place {
+  FitPoint at;
+  std::vector<ReferencePicture> made;
+  CorrectionStep record;
+  std::vector<Whitened> weights;
+  MatrixXd hessian;  ///< J^T J of the data
+  double cost = 0;   ///< half chi-squared
+};
+
+class Search {
+ public:
+  Search(std::vector<FitTarget>& targets, const ProfileInfo& profile, const SolveSettings& settings,
+         const Reference& reference, const CorrectionSettings& rules, const Solution& start)
+      : targets_(targets),
+        profile_(profile),
+        settings_(settings),
+        reference_(reference),
+        rules_(rules),
+        bounds_(start.bounds),
+        measured_(targets) {
+    const FitPoint at{start.parameters, start.ln_scale};
+    here_.at = at;
+    out_.sensitivity = MatrixXd::Identity(start.jacobian.cols(), start.jacobian.cols());
+  }
+
+  Correction run(FitPoint& end) {
+    here_ = visit(here_.at);
+    renew_weights();
+    out_.steps.push_back(here_.record);
+    while (true) {
+      if (here_.record.defect > rules_.measure_from && !out_.measured) measure();
+      VectorXd full = step(0);
+      if (out_.measured && settled(full) && far_from_measured()) measure(), full = step(0);
+      out_.steps.back().next_step_sd = length(full);
+      out_.converged = settled(full);
+      if (out_.converged || static_cast<int>(out_.steps.size()) >= rules_.max_steps) break;
+      advance();
+    }
+    if (!out_.measured) out_.renders_saved = static_cast<int>(parameter_groups(problem(here_.weights)).size());
+    take_defect(targets_, measured_, profile_, here_.at, here_.made);
+    end = out_.converged ? moved(step(0)) : here_.at;  // as short as it is, the last step needs no render
     return std::move(out_);
   }
 
  private:
-  Index columns() const { return found_.jacobian.cols(); }
-  Index data_rows() const { return found_.jacobian.rows() - found_.prior_rows; }
-  bool is_free(int i) const {
-    return settings_.free.is_free(i) && !(all_grey(targets_) && i < eta_index && i % 3 != 0);
+  FitProblem problem(const std::vector<Whitened>& weights) const {
+    return {targets_, weights, profile_, settings_, bounds_};
   }
 
-  std::vector<ReferencePicture> render(const ParameterVector& at) {
+  Place visit(const FitPoint& at) {
+    Place place;
+    place.at = at;
+    place.made = reference_(at.material);
     ++out_.renders;
-    return reference_(at);
+    place.record.at = at.material;
+    place.record.defect = take_defect(targets_, measured_, profile_, at, place.made);
+    place.record.residual = relative_residual(measured_, at, place.made);
+    if (!weights_) weights_.emplace(problem(first_weights(targets_)), at);
+    weigh(place);
+    return place;
   }
 
-  MatrixXd operator_rows(std::size_t t, const ParameterVector& at) const {
-    return target_rows(targets_[t], profile_, to_material(at, initial_, settings_.free));
+  /// The least-squares problem at a place, whose corrected pictures the targets hold.
+  void weigh(Place& place) const {
+    place.weights = weights_->whiten(targets_);
+    const FitProblem problem = this->problem(place.weights);
+    place.cost = problem.half_chi_squared(place.at);
+    const MatrixXd j = problem.jacobian(place.at);
+    const auto data = j.topRows(j.rows() - static_cast<Index>(settings_.priors.size()));
+    place.hessian = data.transpose() * data;
   }
 
-  /// Takes the defect at `at` off the pictures; returns its size.
-  double take_defect(const ParameterVector& at, const std::vector<ReferencePicture>& made) {
-    double defect = 0, all = 0;
-    for (std::size_t t = 0; t < targets_.size(); ++t) {
-      const double scale = std::exp(found_.ln_scale[t]);
-      const MatrixXd off = made[t].rows - operator_rows(t, at);
-      defect += off.squaredNorm(), all += made[t].rows.squaredNorm();
-      targets_[t].offset = scale * off;
-      targets_[t].noise = sum_of_noise(noise_[t], made[t].noise, scale);
-      replace_picture(targets_[t], pictures_[t] - targets_[t].offset);
-    }
-    return all > 0 ? std::sqrt(defect / all) : 0;
+  /// Where the noise is not known it is what the residual shows, and that has become smaller.
+  void renew_weights() {
+    if (std::all_of(targets_.begin(), targets_.end(), [](const FitTarget& t) { return t.noise.known; })) return;
+    weights_.emplace(problem(here_.weights), here_.at);
+    weigh(here_);
   }
 
-  void step() {
-    const ParameterVector at = found_.parameters;
-    const std::vector<double> scale_at = found_.ln_scale;
-    const std::vector<ReferencePicture> made = render(at);
-    CorrectionStep record{at, take_defect(at, made)};
-    const std::vector<StartRecord> starts = std::move(found_.starts);
-    const int best_start = found_.best_start, iterations = found_.iterations;
-    const double seconds = found_.seconds;
-    found_ = solve(targets_, profile_, to_material(at, initial_, settings_.free), settings_);
-    found_.starts = starts, found_.best_start = best_start;
-    found_.iterations += iterations, found_.seconds += seconds;
-    // The first step may be long: A would be that of another place.
-    const bool far = record.defect > rules_.measure_from;
-    if (far && !out_.measured && !out_.steps.empty()) measure(at, made);
-    record.moved = move(at, scale_at);
-    out_.steps.push_back(record);
-    out_.converged |= record.moved < rules_.small_step * std::sqrt(free_parameters()) && (out_.measured || !far);
-  }
-
-  double free_parameters() const {
-    double count = static_cast<double>(columns() - parameter_count);
-    for (int i = 0; i < parameter_count; ++i) count += is_free(i);
-    return count;
-  }
-
-  /// Parameters that one render may move together, for they show in different channels.
-  std::vector<std::vector<int>> groups() const {
-    std::vector<std::vector<int>> all;
-    for (const int first : {0, 3, eta_index}) {
-      std::vector<int> group;
-      for (int i = first; i < std::min(first + 3, parameter_count); ++i)
-        if (is_free(i)) group.push_back(i);
-      if (!group.empty()) all.push_back(group);
-    }
-    return all;
-  }
-
-  /// A picture's rows, those of one channel (-1: all), in the whitened coordinates of target t.
-  VectorXd whitened(std::size_t t, const MatrixXd& rows, int channel) const {
-    VectorXd y = VectorXd::Zero(found_.whitened[t].rows());
-    for (int c = 0; c < targets_[t].channels; ++c)
-      if (channel < 0 || channel == c) found_.whitened[t].add(c, basis_sum(targets_[t].q(c), rows.col(c)), y);
-    return y;
-  }
-
-  /// Secants of the operator and of the reference in all free directions; A by least squares between them. Directions
-  /// that neither shows keep the operator's own derivatives.
-  void measure(const ParameterVector& at, const std::vector<ReferencePicture>& made) {
-    MatrixXd fast = MatrixXd::Zero(data_rows(), columns()), slow = fast;
-    for (const std::vector<int>& group : groups()) {
-      ParameterVector beside = at;
-      for (const int i : group) beside[static_cast<std::size_t>(i)] += secant(i, at);
-      const std::vector<ReferencePicture> there = render(beside);
-      Index row = 0;
-      for (std::size_t t = 0; t < targets_.size(); ++t) {
-        const double scale = std::exp(found_.ln_scale[t]);
-        const MatrixXd by_operator = scale * (operator_rows(t, beside) - operator_rows(t, at)),
-                       by_reference = scale * (there[t].rows - made[t].rows);
-        for (const int i : group) {
-          const int channel = i == eta_index || targets_[t].channels == 1 ? -1 : i % 3;
-          const VectorXd a = whitened(t, by_operator, channel), b = whitened(t, by_reference, channel);
-          fast.col(i).segment(row, a.size()) = a / secant(i, at);
-          slow.col(i).segment(row, b.size()) = b / secant(i, at);
-        }
-        row += found_.whitened[t].rows();
-      }
-    }
-    add_scales(at, made, fast, slow);
-    const MatrixXd unknown = trust_in_operator(made) * MatrixXd::Identity(columns(), columns());
-    out_.sensitivity = (fast.transpose() * fast + unknown).ldlt().solve(fast.transpose() * slow + unknown);
+  void measure() {
+    out_.sensitivity = reference_sensitivity(problem(here_.weights), here_.weights, here_.at, here_.made,
+                                             [&](const ParameterVector& p) { return ++out_.renders, reference_(p); });
     out_.measured = true;
+    measured_at_ = here_.at.material;
   }
 
-  /// Information, per squared standard deviation, up to which the operator's own derivatives are believed: those that
-  /// the noise of two pictures, a secant apart, would drown. Entries of A - 1 are about this large.
-  static double trust_in_operator(const std::vector<ReferencePicture>& made) {
-    constexpr double entries = 0.5;
-    const bool noisy = std::any_of(made.begin(), made.end(), [](const ReferencePicture& p) { return p.noise.known; });
-    return noisy ? 2 / (ln_secant * ln_secant * entries * entries) : 1;
+  /// ((J A)^T J A + P) with P of the priors.
+  MatrixXd curvature() const {
+    MatrixXd sum = out_.sensitivity.transpose() * here_.hessian * out_.sensitivity;
+    for (const Prior& prior : settings_.priors) sum(prior.parameter, prior.parameter) += 1 / (prior.sd * prior.sd);
+    return sum;
   }
 
-  double secant(int i, const ParameterVector& at) const {
-    const double length = i == eta_index ? eta_secant : ln_secant;
-    return at[static_cast<std::size_t>(i)] + length > found_.bounds.upper(i) ? -length : length;
+  /// The priors, and one at the present place for every free parameter that holds it there: Marquardt's damping.
+  SolveSettings damped(double damping) const {
+    SolveSettings with = settings_;
+    const FitProblem problem = this->problem(here_.weights);
+    for (int i = 0; i < parameter_count && damping > 0; ++i)
+      if (const double size = here_.hessian(i, i); problem.is_free(i) && size > 0)
+        with.priors.push_back({i, here_.at.material[static_cast<std::size_t>(i)], 1 / std::sqrt(damping * size)});
+    return with;
   }
 
-  void add_scales(const ParameterVector& at, const std::vector<ReferencePicture>& made, MatrixXd& fast,
-                  MatrixXd& slow) const {
-    Index row = 0;
-    for (std::size_t t = 0; t < targets_.size(); ++t) {
-      const Index rows = found_.whitened[t].rows();
-      if (const int column = scale_column(targets_, t); column >= 0) {
-        const double scale = std::exp(found_.ln_scale[t]);
-        fast.col(column).segment(row, rows) = scale * whitened(t, operator_rows(t, at), -1);
-        slow.col(column).segment(row, rows) = scale * whitened(t, made[t].rows, -1);
-      }
-      row += rows;
-    }
-  }
-
-  /// From `at` to where the reference is expected to fit: with the operator's step d, its Hessian H, and priors P about
-  /// m, (A^T H A + P) step = A^T (H d + P (theta + d - m)) ... + P (m - theta); A = 1 gives d. Returns its length.
-  double move(const ParameterVector& at, const std::vector<double>& scale_at) {
+  /// To the operator's own minimum of the corrected pictures (valleys bend, and the operator's bends with the
+  /// reference's), d, and by A to where the reference's is expected: with priors P about m,
+  ///   ((J A)^T J A + P) step = A^T (J^T J d - P (m - theta - d)) + P (m - theta)
+  /// which is A^-1 d without priors, and d for A = 1.
+  VectorXd step(double damping) const {
+    const SolveSettings with = damped(damping);
+    const FitPoint to = FitProblem(targets_, here_.weights, profile_, with, bounds_).minimise(here_.at).at;
     const MatrixXd& a = out_.sensitivity;
-    const MatrixXd j = found_.jacobian.topRows(data_rows());
-    const MatrixXd h = j.transpose() * j;
-    VectorXd moved(columns()), pull_there = VectorXd::Zero(columns()), pull_here = pull_there, weight = pull_there;
-    for (int i = 0; i < parameter_count; ++i)
-      moved[i] = found_.parameters[static_cast<std::size_t>(i)] - at[static_cast<std::size_t>(i)];
+    VectorXd d = VectorXd::Zero(a.cols());
+    for (Index i = 0; i < parameter_count; ++i)
+      d[i] = to.material[static_cast<std::size_t>(i)] - here_.at.material[static_cast<std::size_t>(i)];
     for (std::size_t t = 0; t < targets_.size(); ++t)
-      if (const int column = scale_column(targets_, t); column >= 0) moved[column] = found_.ln_scale[t] - scale_at[t];
-    for (const Prior& prior : settings_.priors) {
-      const auto i = static_cast<std::size_t>(prior.parameter);
-      const double p = 1 / (prior.sd * prior.sd);
-      weight[prior.parameter] += p;
-      pull_here[prior.parameter] += p * (prior.mean - at[i]);
-      pull_there[prior.parameter] += p * (prior.mean - found_.parameters[i]);
+      if (const int column = scale_column(targets_, t); column >= 0) d[column] = to.ln_scale[t] - here_.at.ln_scale[t];
+    if (!out_.measured) return d;
+    VectorXd data = here_.hessian * d, pull = VectorXd::Zero(a.cols());
+    MatrixXd c = a.transpose() * here_.hessian * a;
+    for (const Prior& prior : with.priors) {
+      const Index i = prior.parameter;
+      const double p = 1 / (prior.sd * prior.sd), away = prior.mean - here_.at.material[static_cast<std::size_t>(i)];
+      c(i, i) += p;
+      pull[i] += p * away;
+      data[i] -= p * (away - d[i]);
     }
-    const VectorXd gradient = a.transpose() * (h * moved - pull_there) + pull_here;
-    MatrixXd curvature = a.transpose() * h * a;
-    curvature.diagonal() += weight;
-    const VectorXd step = out_.measured ? solve_step(curvature, gradient) : moved;
-    for (int i = 0; i < parameter_count; ++i)
-      if (is_free(i))
-        found_.parameters[static_cast<std::size_t>(i)] =
-            std::clamp(at[static_cast<std::size_t>(i)] + step[i], found_.bounds.lower(i), found_.bounds.upper(i));
-    if (all_grey(targets_))
-      for (std::size_t i = 0; i < eta_index; ++i) found_.parameters[i] = found_.parameters[i - i % 3];
-    for (std::size_t t = 0; t < targets_.size(); ++t)
-      if (const int column = scale_column(targets_, t); column >= 0) found_.ln_scale[t] = scale_at[t] + step[column];
-    if (step.cwiseAbs().maxCoeff() < rules_.least_step) out_.converged = true;
-    return std::sqrt(std::max(0.0, step.dot(curvature * step)));
+    const VectorXd unit = c.diagonal().cwiseSqrt().cwiseMax(1e-6).cwiseInverse();
+    MatrixXd scaled = unit.asDiagonal() * c * unit.asDiagonal();
+    scaled.diagonal().array() += 1e-10;  // directions that no picture shows stay where they are
+    return unit.asDiagonal() * scaled.ldlt().solve(unit.asDiagonal() * (a.transpose() * data + pull));
   }
 
-  /// Directions without curvature stay where they are.
-  static VectorXd solve_step(const MatrixXd& curvature, const VectorXd& gradient) {
-    const VectorXd length = curvature.diagonal().cwiseSqrt().cwiseMax(1e-6).cwiseInverse();
-    MatrixXd scaled = length.asDiagonal() * curvature * length.asDiagonal();
-    scaled.diagonal().array() += 1e-10;
-    return length.asDiagonal() * scaled.ldlt().solve(length.asDiagonal() * gradient);
+  double length(const VectorXd& step) const { return std::sqrt(std::max(0.0, step.dot(curvature() * step))); }
+
+  double values() const {
+    double sum = 0;
+    for (const FitTarget& target : targets_) sum += static_cast<double>(target.rows()) * target.channels;
+    return sum;
+  }
+
+  bool settled(const VectorXd& step) const {
+    return step.cwiseAbs().maxCoeff() < rules_.least_step ||
+           length(step) < (noisy() ? rules_.small_step_of_noisy : rules_.small_step) *
+                              std::sqrt(free_count(problem(here_.weights)));
+  }
+
+  bool noisy() const {
+    return std::any_of(here_.made.begin(), here_.made.end(), [](const ReferencePicture& p) { return p.noise.known; });
+  }
+
+  /// A tenth, in any parameter: derivatives are others here.
+  bool far_from_measured() const {
+    double most = 0;
+    for (std::size_t i = 0; i < parameter_count; ++i)
+      most = std::max(most, std::abs(here_.at.material[i] - measured_at_[i]));
+    return most > 0.1;
+  }
+
+  FitPoint moved(const VectorXd& step) const {
+    FitPoint to = here_.at;
+    for (int i = 0; i < parameter_count; ++i) {
+      const int from = all_grey(targets_) && i < eta_index ? i - i % 3 : i;
+      double& value = to.material[static_cast<std::size_t>(i)];
+      value = std::clamp(value + step[from], bounds_.lower(i), bounds_.upper(i));
+    }
+    for (std::size_t t = 0; t < targets_.size(); ++t)
+      if (const int column = scale_column(targets_, t); column >= 0) to.ln_scale[t] += step[column];
+    return to;
+  }
+
+  /// To a better place: a shorter step, or fresh derivatives, where the one tried is worse.
+  void advance() {
+    constexpr double longest = 1;  // of ln sigma: beyond, derivatives say nothing
+    VectorXd step = this->step(damping_);
+    step *= std::min(1.0, longest / step.cwiseAbs().maxCoeff());
+    Place there = visit(moved(step));
+    // The end is where J^T (reference - t) = 0, which by a little is not where the cost is least; and noise has its
+    // own opinion of which of two good places is the better one.
+    const double alike = noisy() ? std::sqrt(2 * values()) : 5e-5 * values();
+    there.record.better = there.cost < here_.cost + alike;
+    out_.steps.push_back(there.record);
+    if (there.record.better) {
+      here_ = std::move(there);
+      renew_weights();
+      damping_ /= 10;
+    } else if (out_.measured && here_.at.material != measured_at_) {
+      measure();
+    } else {
+      damping_ = std::max(10 * damping_, 1e-3);
+    }
   }
 
   std::vector<FitTarget>& targets_;
   const ProfileInfo& profile_;
-  const Material& initial_;
   const SolveSettings& settings_;
   const Reference& reference_;
   const CorrectionSettings& rules_;
-  Solution& found_;
-  std::vector<MatrixXd> pictures_;
-  std::vector<NoiseModel> noise_;
+  const ParameterBounds bounds_;
+  const Measured measured_;
+  std::optional<FixedWeights> weights_;
+  Place here_;
+  double damping_ = 0;
+  ParameterVector measured_at_{};
   Correction out_;
 };
 
 }  // namespace
 
-NoiseModel sum_of_noise(const NoiseModel& a, const NoiseModel& b, double scale_of_b) {
+NoiseModel sum_of_noise(const NoiseModel& a, const NoiseModel& b, double scale) {
   NoiseModel sum = a;
   if (!a.known || !b.known) return sum;  // the residual shows both
   for (std::size_t c = 0; c < 3; ++c) {
-    sum.read_sd[c] = std::hypot(a.read_sd[c], scale_of_b * b.read_sd[c]);
-    sum.shot[c] = a.shot[c] + scale_of_b * b.shot[c];
+    sum.read_sd[c] = std::hypot(a.read_sd[c], scale * b.read_sd[c]);
+    sum.shot[c] = a.shot[c] + scale * b.shot[c];
+    sum.relative[c] = std::hypot(a.relative[c], b.relative[c]);
   }
   sum.correlation_known = a.correlation_known && b.correlation_known;
   return sum;
@@ -245,7 +327,21 @@ NoiseModel sum_of_noise(const NoiseModel& a, const NoiseModel& b, double scale_o
 Correction correct_by_reference(std::vector<FitTarget>& targets, const ProfileInfo& profile, const Material& initial,
                                 const SolveSettings& settings, const Reference& reference,
                                 const CorrectionSettings& correction, Solution& found) {
-  return Corrector(targets, profile, initial, settings, reference, correction, found).run();
+  Stopwatch watch;
+  FitPoint end;
+  Correction out = Search(targets, profile, settings, reference, correction, found).run(end);
+  // Weights, residual and Jacobian there; from so near the operator's own minimum is that of the search.
+  SolveSettings near = settings;
+  near.starts = 1;
+  Solution corrected = solve(targets, profile, to_material(end.material, initial, settings.free), near);
+  corrected.starts = std::move(found.starts), corrected.best_start = found.best_start;
+  corrected.iterations += found.iterations, corrected.seconds += found.seconds;
+  corrected.parameters = end.material, corrected.ln_scale = end.ln_scale;
+  corrected.jacobian.topRows(corrected.jacobian.rows() - corrected.prior_rows) *= out.sensitivity;
+  corrected.converged &= out.converged;
+  found = std::move(corrected);
+  out.seconds = watch.lap();
+  return out;
 }
 
 }  // namespace opaline

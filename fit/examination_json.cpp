@@ -74,7 +74,11 @@ json correction_json(const Correction& c, const json& names) {
     for (int i = 0; i < parameter_count; ++i)
       at[std::string(names[static_cast<std::size_t>(i)])] =
           number(natural_value(i, step.at[static_cast<std::size_t>(i)]));
-    steps.push_back({{"at", at}, {"operator_relative_rms", number(step.defect)}, {"moved_sd", number(step.moved)}});
+    steps.push_back({{"at", at},
+                     {"operator_relative_rms", number(step.defect)},
+                     {"relative_residual", number(step.residual)},
+                     {"next_step_sd", number(step.next_step_sd)},
+                     {"better", step.better}});
   }
   for (Eigen::Index i = 0; i < c.sensitivity.rows(); ++i) {
     json row = json::array();

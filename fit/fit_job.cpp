@@ -256,9 +256,10 @@ void add_correction_note(const FitJob& job, FitReport& report) {
       c.converged
           ? fmt::format("corrected by {}, {} renders: the operator alone is {:.2g} of the picture (rms) off there",
                         job.reference->technique, c.renders, last.defect)
-          : fmt::format("the correction by {} did not settle in {} steps (the last was {:.2g} standard deviations): "
-                        "allow more, or make its pictures less noisy",
-                        job.reference->technique, c.steps.size(), last.moved));
+          : fmt::format(
+                "the correction by {} did not settle in {} steps (the next would be {:.2g} standard deviations long): "
+                "allow more, or make its pictures less noisy",
+                job.reference->technique, c.steps.size(), last.next_step_sd));
 }
 
 /// What the residual says against the fit, whatever its size.

@@ -105,6 +105,7 @@ json targets_json(const FitReport& report) {
                        {"noise_from", t.noise.source},
                        {"noise_read_sd", t.noise.read_sd},
                        {"noise_shot", t.noise.shot},
+                       {"noise_relative_sd", t.noise.relative},
                        {"noise_channel_correlation", matrix_json(report.solution.noise_correlation[i])},
                        {"residual_neighbour_correlation", number(t.neighbour_correlation)},
                        {"scale", number(t.scale)},

@@ -3,6 +3,7 @@
 #include "render/input_error.h"
 
 #include <fmt/format.h>
+#include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
@@ -49,28 +50,51 @@ std::vector<Class> classes(std::vector<Sample> samples, bool squares_of_normals)
   return out;
 }
 
-/// variance = a + k signal with a, k >= 0 by weighted least squares, weights by the variance itself.
-void fit_read_and_shot(const std::vector<Class>& all, double& read_sd, double& shot) {
-  double a = 0, k = 0;
-  for (const Class& c : all) a += c.variance / static_cast<double>(std::max<std::size_t>(all.size(), 1));
-  read_sd = shot = 0;
-  if (!(a > 0)) return;
-  const double least = 1e-3 * a;  // classes without any noise must not take all the weight
-  for (int round = 0; round < 6; ++round) {
-    double w_sum = 0, s = 0, v = 0, ss = 0, sv = 0;
-    for (const Class& c : all) {
-      const double expected = std::max(a + k * std::max(c.signal, 0.0), least), w = 1 / (expected * expected);
-      w_sum += w, s += w * c.signal, v += w * c.variance, ss += w * c.signal * c.signal,
-          sv += w * c.signal * c.variance;
-    }
-    const double determinant = w_sum * ss - s * s;
-    const bool two = determinant > 1e-9 * w_sum * ss;
-    k = two ? (w_sum * sv - s * v) / determinant : 0;
-    a = two ? (ss * v - s * sv) / determinant : v / w_sum;
-    if (k < 0) k = 0, a = v / w_sum;
-    if (a < 0) a = 0, k = ss > 0 ? std::max(sv / ss, 0.0) : 0;
+using Terms = Eigen::Array3d;  ///< coefficients of 1, signal, signal^2
+
+/// The non-negative coefficients of the allowed terms that fit best with these weights: the best of all subsets.
+Terms best_terms(const Eigen::MatrixXd& rows, const Eigen::VectorXd& values, int allowed) {
+  Terms best = Terms::Zero();
+  double least = values.squaredNorm();
+  for (unsigned subset = 1; subset < 1u << allowed; ++subset) {
+    std::vector<Eigen::Index> of;
+    for (Eigen::Index i = 0; i < allowed; ++i)
+      if (subset >> i & 1u) of.push_back(i);
+    const Eigen::MatrixXd some = rows(Eigen::all, of);
+    const Eigen::VectorXd x = some.colPivHouseholderQr().solve(values);
+    const double left = (some * x - values).squaredNorm();
+    if (x.minCoeff() < 0 || !(left < least)) continue;
+    least = left, best = Terms::Zero();
+    for (std::size_t k = 0; k < of.size(); ++k) best[of[k]] = x[static_cast<Eigen::Index>(k)];
   }
-  read_sd = std::sqrt(a), shot = k;
+  return best;
+}
+
+/// variance = sum of the first `allowed` terms by least squares, weights by the variance itself.
+Terms fit_terms(const std::vector<Class>& all, int allowed) {
+  const auto n = static_cast<Eigen::Index>(all.size());
+  double mean = 0;
+  for (const Class& c : all) mean += c.variance / static_cast<double>(all.size());
+  if (!(mean > 0)) return Terms::Zero();
+  const double least = 1e-6 * mean;  // classes without any noise must not take all the weight
+  Terms terms(mean, 0, 0);
+  Eigen::VectorXd expected = Eigen::VectorXd::Constant(n, mean);
+  for (int round = 0; round < 6; ++round) {
+    Eigen::MatrixXd rows(n, 3);
+    Eigen::VectorXd values(n);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Class& c = all[static_cast<std::size_t>(i)];
+      const double s = std::max(c.signal, 0.0);
+      rows.row(i) = Eigen::RowVector3d(1, s, s * s) / expected[i];
+      values[i] = c.variance / expected[i];
+    }
+    terms = best_terms(rows, values, allowed);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double s = std::max(all[static_cast<std::size_t>(i)].signal, 0.0);
+      expected[i] = std::max(terms[0] + s * (terms[1] + s * terms[2]), least);
+    }
+  }
+  return terms;
 }
 
 std::vector<int> colours(const Image& image) {
@@ -90,7 +114,8 @@ NoiseModel model_of(const std::vector<std::vector<Sample>>& samples, bool square
   noise.source = source;
   for (std::size_t c = 0; c < 3; ++c) {
     const std::vector<Sample>& own = samples[std::min(c, samples.size() - 1)];
-    fit_read_and_shot(classes(own, squares_of_normals), noise.read_sd[c], noise.shot[c]);
+    const Terms terms = fit_terms(classes(own, squares_of_normals), squares_of_normals ? 2 : 3);
+    noise.read_sd[c] = std::sqrt(terms[0]), noise.shot[c] = terms[1], noise.relative[c] = std::sqrt(terms[2]);
   }
   return noise;
 }

@@ -18,9 +18,9 @@ NoiseModel noise_from_repeat(const Image& a, const Image& b, const std::vector<f
 /// pictures have neighbours that share noise, and too little of it is found.
 NoiseModel noise_from_flat(const Image& picture, const std::vector<float>& usable);
 
-/// From a renderer's estimate per pixel, channels variance.R, variance.G, variance.B (path_traced.md). Smooth in the
-/// signal on purpose: a pixel's own estimate errs with its value, and weights from it would pull a fit to the dark
-/// side. How much noise the channels share is left to the residual.
+/// With all three terms, from a renderer's estimate per pixel, channels variance.R, variance.G, variance.B
+/// (path_traced.md). Smooth in the signal on purpose: a pixel's own estimate errs with its value, and weights from it
+/// would pull a fit to the dark side. How much noise the channels share is left to the residual.
 NoiseModel noise_from_layer(const Image& picture, const Image& layers, const std::vector<float>& usable);
 
 /// "uniform", "shared" (by the channels, as much as the residual shows), or READ[,SHOT] in the picture's linear units.

@@ -7,13 +7,14 @@ namespace opaline {
 namespace {
 
 /// Correlation of residuals over their known sizes, cut at 3 so that outliers don't make it.
-Eigen::Matrix3d residual_correlation(const FitTarget& target, const Eigen::MatrixXd& signal) {
+Eigen::Matrix3d residual_correlation(const FitTarget& target, const Eigen::MatrixXd& fitted) {
   Eigen::Matrix3d sums = Eigen::Matrix3d::Zero();
+  const Eigen::MatrixXd& signal = target.noise_signal(fitted);
   for (Eigen::Index p = 0; p < signal.rows(); ++p) {
     Eigen::Vector3d r = Eigen::Vector3d::Zero();
     for (int c = 0; c < target.channels; ++c)
       r[c] = std::clamp(
-          (target.picture(p, c) - signal(p, c)) / std::sqrt(pixel_variance(target, target.noise, c, signal(p, c))),
+          (target.picture(p, c) - fitted(p, c)) / std::sqrt(pixel_variance(target, target.noise, c, signal(p, c))),
           -3.0, 3.0);
     sums += r * r.transpose();
   }
@@ -68,9 +69,9 @@ Covariance residual_covariance(const FitProblem& problem, const FitPoint& at, st
 
 }  // namespace
 
-NoiseModel completed_noise(const FitTarget& target, const Eigen::MatrixXd& signal) {
+NoiseModel completed_noise(const FitTarget& target, const Eigen::MatrixXd& fitted) {
   NoiseModel noise = target.noise;
-  if (noise.known && !noise.correlation_known) noise.correlation = residual_correlation(target, signal);
+  if (noise.known && !noise.correlation_known) noise.correlation = residual_correlation(target, fitted);
   return noise;
 }
 
@@ -89,8 +90,9 @@ std::vector<Whitened> first_weights(const std::vector<FitTarget>& targets) {
   std::vector<Whitened> weights;
   for (const FitTarget& target : targets) {
     if (target.noise.known) {
-      weights.push_back(target.noise.uniform() ? whiten(target, known_covariance(target, target.noise, target.picture))
-                                               : whiten(target, pixel_precision(target, target.noise, target.picture)));
+      const Eigen::MatrixXd& signal = target.noise_signal(target.picture);
+      weights.push_back(target.noise.uniform() ? whiten(target, known_covariance(target, target.noise, signal))
+                                               : whiten(target, pixel_precision(target, target.noise, signal)));
       continue;
     }
     Covariance covariance = Covariance::Identity();
@@ -109,8 +111,8 @@ std::vector<Covariance> noise_at(const FitProblem& problem, const FitPoint& at) 
       all.push_back(residual_covariance(problem, at, t));
       continue;
     }
-    const Eigen::MatrixXd signal = fitted_rows(problem, at, t);
-    all.push_back(known_covariance(target, completed_noise(target, signal), signal));
+    const Eigen::MatrixXd fitted = fitted_rows(problem, at, t);
+    all.push_back(known_covariance(target, completed_noise(target, fitted), target.noise_signal(fitted)));
   }
   return all;
 }
@@ -123,8 +125,8 @@ std::vector<Whitened> weights_at(const FitProblem& problem, const FitPoint& at) 
       weights.push_back(whiten(target, residual_covariance(problem, at, t)));
       continue;
     }
-    const Eigen::MatrixXd signal = fitted_rows(problem, at, t);
-    const NoiseModel noise = completed_noise(target, signal);
+    const Eigen::MatrixXd fitted = fitted_rows(problem, at, t), signal = target.noise_signal(fitted);
+    const NoiseModel noise = completed_noise(target, fitted);
     weights.push_back(noise.uniform() ? whiten(target, known_covariance(target, noise, signal))
                                       : whiten(target, pixel_precision(target, noise, signal)));
   }

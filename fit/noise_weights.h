@@ -23,9 +23,9 @@ std::vector<Whitened> weights_at(const FitProblem& problem, const FitPoint& at);
 /// Rows of the picture at `at`, with its scale: rows x channels.
 Eigen::MatrixXd fitted_rows(const FitProblem& problem, const FitPoint& at, std::size_t target);
 
-/// The target's noise where the noise-free picture is `signal`, with its correlation filled in from the residual if the
+/// The target's noise where its picture is fitted by `fitted`, with its correlation filled in from the residual if the
 /// model leaves that open.
-NoiseModel completed_noise(const FitTarget& target, const Eigen::MatrixXd& signal);
+NoiseModel completed_noise(const FitTarget& target, const Eigen::MatrixXd& fitted);
 
 /// Number of free parameters, free scales included.
 int free_count(const FitProblem& problem);

@@ -46,10 +46,11 @@ Covariance bulk_covariance(const FitTarget& target, const MatrixXd& r) {
   return regular_covariance(sd.asDiagonal() * (own.asDiagonal() * products * own.asDiagonal()) * sd.asDiagonal());
 }
 
-WhitePixels whiten_pixels(const FitTarget& target, const MatrixXd& signal, const MatrixXd& r,
+WhitePixels whiten_pixels(const FitTarget& target, const MatrixXd& fitted, const MatrixXd& r,
                           const Covariance& covariance) {
   WhitePixels out{{}, MatrixXd(r.rows(), r.cols()), {}};
-  const NoiseModel noise = completed_noise(target, signal);
+  const NoiseModel noise = completed_noise(target, fitted);
+  const MatrixXd& signal = target.noise_signal(fitted);
   const int n = target.channels;
   for (Index p = 0; p < r.rows(); ++p) {
     MatrixXd local = covariance.topLeftCorner(n, n);
@@ -176,9 +177,9 @@ RobustFit robust_fit(const std::vector<FitTarget>& targets, const ProfileInfo& p
   const FitProblem problem(targets, out.whitened, profile, settings, bounds);
   const auto weigh = [&](const FitPoint& at) {
     for (std::size_t t = 0; t < targets.size(); ++t) {
-      const MatrixXd signal = fitted_rows(problem, at, t), r = signal - targets[t].picture;
+      const MatrixXd fitted = fitted_rows(problem, at, t), r = fitted - targets[t].picture;
       if (!targets[t].noise.known) out.noise[t] = bulk_covariance(targets[t], r);
-      white[t] = whiten_pixels(targets[t], signal, r, out.noise[t]);
+      white[t] = whiten_pixels(targets[t], fitted, r, out.noise[t]);
       out.whitened[t] = whiten(targets[t], weighted_precision(white[t], settings.loss, out.mean_weight[t]));
     }
   };

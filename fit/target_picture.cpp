@@ -77,6 +77,7 @@ Image average(const Image& a, const Image& b) {
 NoiseModel halved(NoiseModel noise) {
   for (double& sd : noise.read_sd) sd /= std::sqrt(2.0);
   for (double& shot : noise.shot) shot /= 2;
+  for (double& sd : noise.relative) sd /= std::sqrt(2.0);
   return noise;
 }
 

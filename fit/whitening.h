@@ -19,6 +19,7 @@ struct FitTarget {
   OrthonormalOperator basis;
   Eigen::MatrixXd picture{};                           ///< rows x channels, linear
   Eigen::MatrixXd offset{};                            ///< taken off the picture (defect_correction.h), or empty
+  Eigen::MatrixXd light{};                             ///< with an offset: smooth stand-in for the picture without it
   int channels = 3;                                    ///< 1: a grey picture; only R's coefficients show
   std::array<Eigen::VectorXd, 3> y{};                  ///< Q^T t per channel
   Eigen::Matrix3d products = Eigen::Matrix3d::Zero();  ///< t_c . t_d
@@ -26,6 +27,10 @@ struct FitTarget {
   bool scale_free = false;  ///< the picture's brightness is known up to a factor only
 
   std::size_t rows() const { return op.rows(); }
+  /// The noise-free picture that its noise goes by, given the operator's.
+  const Eigen::MatrixXd& noise_signal(const Eigen::MatrixXd& fitted) const {
+    return offset.size() > 0 ? light : fitted;
+  }
   const Eigen::MatrixXf& q(int c) const { return basis.q[static_cast<std::size_t>(op.light_channel(c))]; }
   const Eigen::MatrixXd& factor(int c) const { return basis.factor[static_cast<std::size_t>(op.light_channel(c))]; }
 };

@@ -30,8 +30,10 @@ std::string correction_rows(const FitReport& report) {
       fmt::format("\ncorrected by {}: {} renders in {:.1f} s{}\n", report.job.reference->technique, c.renders,
                   c.seconds, c.renders_saved > 0 ? fmt::format(" ({} saved: near enough)", c.renders_saved) : "");
   for (std::size_t i = 0; i < c.steps.size(); ++i)
-    text += fmt::format("  step {}: operator off by {:.2g} of the picture, moved by {:.2g} standard deviations\n",
-                        i + 1, c.steps[i].defect, c.steps[i].moved);
+    text += fmt::format(
+        "  step {}: residual {:.3g} of the picture, operator off by {:.2g}, {}next step {:.2g} standard deviations\n",
+        i + 1, c.steps[i].residual, c.steps[i].defect, c.steps[i].better ? "" : "no better, went back, ",
+        c.steps[i].next_step_sd);
   return text;
 }
 
