@@ -6,13 +6,16 @@
 //   variance V = 4 D^T C D - 4 E (D . delta) |delta|^2 + var |delta|^2
 //   third central moment S ~ -8 E (D . delta)^3 + 4 tr C D^T C D   (the second term exact for a disk)
 // Two values of q with two weights reproduce all three (Gauss's quadrature for the flux over q), so any profile f(q)
-// is integrated with an error of the fourth order. A channel whose own centroid differs shifts flux between the two
+// is integrated with an error of the fourth order. As S is not exact the points of a patch that looks large may come to
+// lie outside of it, where the profile may be anything: they are kept within (|D| - radius)^2 .. (|D| + radius)^2. A
+// channel whose own centroid differs shifts flux between the two
 // points by its first moment.
 #pragma once
 
 #include "render/irradiance/cluster_tree.h"
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace opaline {
@@ -62,14 +65,14 @@ class PatchList {
   }
 
   /// Geometry rows: 0-2 centroid, 3-8 covariance xx xy xz yy yz zz, 9 trace, 10 variance of |delta|^2,
-  /// 11-20 coefficients of E (x . delta)^3.
+  /// 11-20 coefficients of E (x . delta)^3, 21 radius.
   /// The field of patch i and of those behind it up to the next multiple of `lanes`.
   const float* geometry(int field, std::size_t i) const { return &geometry_[place(field, i)]; }
   const float* mass() const { return mass_.data(); }
   /// The tree's node each patch is, or is a part of.
   const std::uint32_t* nodes() const { return nodes_.data(); }
   const float* first_moment(int axis) const { return first_[axis].data(); }
-  static constexpr int rows = 21;
+  static constexpr int rows = 22;
 
   /// Kernels read whole vectors: the list is followed by patches without flux up to a multiple of
   /// this many.
@@ -108,6 +111,7 @@ class PatchList {
     g[9 * lanes] = s2 * n.extent.trace;
     g[10 * lanes] = s2 * s2 * n.extent.deviation * n.extent.deviation;
     for (std::size_t k = 0; k < n.third.size(); ++k) g[(11 + k) * lanes] = s3 * n.third[k];
+    g[21 * lanes] = std::abs(scale) * n.extent.radius;
   }
   static std::size_t place(int field, std::size_t i) {
     return (i / lanes * rows + static_cast<std::size_t>(field)) * lanes + i % lanes;

@@ -83,9 +83,12 @@ HWY_INLINE TwoPoints<V> two_points(D d, const PatchList& patches, std::size_t i,
   const V square = hn::MulAdd(half_gamma, half_gamma, variance), per_spread = fast_inverse_sqrt(d, square);
   r.spread = hn::Mul(square, per_spread);
   r.tilt = hn::Mul(hn::Set(d, 0.5f), hn::Mul(half_gamma, per_spread));
-  const V middle = hn::Add(hn::Add(xx, hn::Add(yy, zz)), hn::Add(trace, half_gamma));
-  r.near = hn::Max(hn::Sub(middle, r.spread), hn::Zero(d));
-  r.far = hn::Add(middle, r.spread);
+  const V square_distance = hn::Add(xx, hn::Add(yy, zz));
+  const V middle = hn::Add(square_distance, hn::Add(trace, half_gamma));
+  const V distance = hn::Mul(square_distance, fast_inverse_sqrt(d, hn::Add(square_distance, hn::Set(d, 1e-36f))));
+  const V gap = hn::Max(hn::Sub(distance, c(21)), hn::Zero(d)), reach = hn::Add(distance, c(21));
+  r.near = hn::Max(hn::Sub(middle, r.spread), hn::Mul(gap, gap));
+  r.far = hn::Min(hn::Add(middle, r.spread), hn::Mul(reach, reach));
   return r;
 }
 

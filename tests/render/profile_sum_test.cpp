@@ -109,6 +109,35 @@ TEST(ProfileSum, EveryInstructionSetAgreesWithTheWrittenOutRule) {
     }
 }
 
+/// Whatever a patch's moments: it gives no more than its flux at its nearest point would, and no less than at its
+/// farthest. Of a profile that falls fast a value from nearer than the patch is anything.
+TEST(ProfileSum, APatchGivesWhatItsPlaceAllows) {
+  const NoLimitAfterwards guard;
+  const ProfileTable steep([](double r) { return std::exp(-12 * r) / (r + 1e-3); }, 1e-3, 20);
+  const ProfileSum profile{{&steep}, 1, {0, 0, 0}};
+  const ClusterTree tree = random_patches(4000, 1);
+  std::mt19937 random(11);
+  std::normal_distribution<float> any;
+  std::uniform_real_distribution<float> away(1.02f, 2);
+  for (const std::string& target : simd_targets()) {
+    limit_simd_target(target);
+    for (std::size_t i = 0; i < tree.nodes.size(); ++i) {
+      PatchList one(1);
+      one.push(tree, i);
+      one.pad();
+      const ClusterNode& node = tree.nodes[i];
+      const glm::vec3 to = glm::normalize(glm::vec3(any(random), any(random), any(random)));
+      const glm::vec3 position = node.centroid + away(random) * node.extent.radius * to;
+      float sum[3] = {};
+      add_profile_sum(profile, one, nullptr, position, sum);
+      const double d = glm::length(glm::dvec3(position) - glm::dvec3(node.centroid)), r = node.extent.radius;
+      const auto at = [&](double distance) { return table_value(profile, 0, distance * distance); };
+      ASSERT_LE(sum[0], 1.001 * tree.mass[i] * at(d - r)) << target << " patch " << i;
+      ASSERT_GE(sum[0], 0.999 * tree.mass[i] * at(d + r)) << target << " patch " << i;
+    }
+  }
+}
+
 TEST(ProfileSum, TablesOfOneSegmentationAgreeToo) {
   const NoLimitAfterwards guard;
   const auto table = [](double core, double exponent, double r_max) {

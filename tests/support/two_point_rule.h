@@ -19,6 +19,7 @@ void give_moments(ClusterNode& node, float size, Any&& any) {
   float fourth = 0;
   for (glm::vec3& d : delta) {
     d -= mean;
+    node.extent.radius = std::max(node.extent.radius, glm::length(d));
     const float square = glm::dot(d, d), part = 1.0f / count;
     node.extent.trace += part * square;
     fourth += part * square * square;
@@ -67,7 +68,10 @@ inline TwoPointRule two_point_rule(const ClusterNode& node, const glm::vec3& pos
   const double variance = 4 * along - 4 * radial + static_cast<double>(node.extent.deviation * node.extent.deviation);
   const double gamma = (4 * trace * along - 8 * cubic) / variance, q0 = glm::dot(d, d) + trace;
   const double spread = std::sqrt(variance + gamma * gamma / 4);
-  return {std::max(q0 + gamma / 2 - spread, 0.0), q0 + gamma / 2 + spread, 0.5 + gamma / (4 * spread), spread, d};
+  const double radius = static_cast<double>(node.extent.radius), reach = glm::length(d) + radius,
+               gap = std::max(glm::length(d) - radius, 0.0);
+  return {std::max(q0 + gamma / 2 - spread, gap * gap), std::min(q0 + gamma / 2 + spread, reach * reach),
+          0.5 + gamma / (4 * spread), spread, d};
 }
 
 }  // namespace opaline::test

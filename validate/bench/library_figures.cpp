@@ -4,6 +4,7 @@
 #include "datasets_synthetic/shapes/shapes.h"
 #include "fit/diagnosis.h"
 #include "fit/profile_interval.h"
+#include "fit/rendered_reference.h"
 #include "model/materials/library.h"
 #include "render/render_scene.h"
 #include "validate/bench/figures.h"
@@ -39,7 +40,18 @@ struct Outcome {
   double worst = 0;  ///< relative error of what the fit calls identifiable
   std::string worst_of, not_identifiable, reason;
   bool converged = false;
+  double before = 0;  ///< worst relative error of any parameter without correction
+  int renders = 0;
 };
+
+double worst_error(const ParameterVector& found, const ParameterVector& truth) {
+  double worst = 0;
+  for (int i = 0; i < parameter_count; ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    worst = std::max(worst, std::abs(natural_value(i, found[at]) / natural_value(i, truth[at]) - 1));
+  }
+  return worst;
+}
 
 Outcome recover(const Scene& scene, const TransportOperator& op, std::size_t samples) {
   RenderOptions options;
@@ -52,12 +64,17 @@ Outcome recover(const Scene& scene, const TransportOperator& op, std::size_t sam
   Material start;
   start.sigma_a = Rgb(0.05), start.sigma_s_prime = Rgb(1), start.eta = 1.35;
   const SolveSettings settings;
-  const Solution s = solve(targets, transport(), start, settings);
+  Outcome out;
+  Solution s = solve(targets, transport(), start, settings);
+  const ParameterVector at = to_parameters(truth, s.bounds);
+  out.before = worst_error(s.parameters, at);
+  const std::vector<TargetScene> scenes = {{std::make_shared<const Scene>(scene), 0}};
+  const Correction correction = correct_by_reference(
+      targets, transport(), start, settings, rendered_reference(scenes, targets, start, settings.free, options), {}, s);
+  out.renders = correction.renders;
   Uncertainty u = uncertainty(s, settings.free);
   profile_intervals(FitProblem(targets, s.whitened, transport(), settings, s.bounds), s, u);
-  Outcome out;
   out.converged = s.converged;
-  const ParameterVector at = to_parameters(truth, s.bounds);
   for (int i = 0; i < parameter_count; ++i) {
     const ParameterEstimate& e = u.parameters[static_cast<std::size_t>(i)];
     if (!e.identifiable) {
@@ -82,17 +99,19 @@ void print_library_figures(const std::string& mesh, std::size_t every) {
     const ParameterBounds bounds;
     const TransportOperator op = build_operator(scene, 0, EtaNodes(bounds.eta_min, bounds.eta_max, 8), settings);
     int recovered = 0, refused = 0, wrong = 0;
-    fmt::print("\n| {} | worst of the identifiable | | not identifiable | reason |\n|---|---|---|---|---|\n",
-               shape == "mesh" && !mesh.empty() ? mesh
-               : shape == "mesh"                ? "bust"
-                                                : shape);
+    fmt::print(
+        "\n| {} | without correction | worst of the identifiable | | renders | not identifiable | reason "
+        "|\n|---|---|---|---|---|---|---|\n",
+        shape == "mesh" && !mesh.empty() ? mesh
+        : shape == "mesh"                ? "bust"
+                                         : shape);
     for (std::size_t i = 0; i < material_library().size(); i += every) {
       scene.materials.front() = library_material(material_library()[i].name);
       const Outcome o = recover(scene, op, samples);
       const bool good = o.worst <= 1e-3 && o.converged;
       (!good ? wrong : o.not_identifiable.empty() ? recovered : refused) += 1;
-      fmt::print("| {} | {:.1e} {} | {} | {} | {} |\n", material_library()[i].name, o.worst, o.worst_of,
-                 good ? "" : "WRONG", o.not_identifiable, o.reason);
+      fmt::print("| {} | {:.1e} | {:.1e} {} | {} | {} | {} | {} |\n", material_library()[i].name, o.before, o.worst,
+                 o.worst_of, good ? "" : "WRONG", o.renders, o.not_identifiable, o.reason);
       std::fflush(stdout);
     }
     fmt::print("{}: {} to 1e-3, {} with something not identifiable (the rest to 1e-3), {} wrong\n", shape, recovered,
