@@ -60,6 +60,11 @@ struct AddLight {
 
 double information(const Solution& s) { return s.minus_two_ln_likelihood; }
 
+std::string compared(double against) {
+  return against > 0 ? fmt::format("{:.0f} worse than its exitance, which is too little to go by", against)
+                     : fmt::format("{:.0f} better than its exitance", -against);
+}
+
 }  // namespace
 
 double off_straight_deg(const Scene& scene, int material) {
@@ -90,8 +95,8 @@ TransportForm preferred_form(const std::vector<FitTarget>& targets, const Materi
                                 against)};
   return {radiance_info, std::move(radiance),
           where + fmt::format("fitted with transport's radiance along the normal (transport_radiance; information "
-                              "criterion {:.0f} better than its exitance). --exit exitance forbids it",
-                              -against)};
+                              "criterion {}). --exit exitance forbids it",
+                              compared(against))};
 }
 
 }  // namespace opaline

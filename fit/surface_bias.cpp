@@ -55,7 +55,8 @@ Errors expected(double radius_mm, bool side_light, double fitted_a, double fitte
       e.sigma_a = std::max(interpolated(side_sigma_a, e.radius_mfp, a / t), least_error);
       e.sigma_s_prime = interpolated(side_sigma_s, e.radius_mfp, a / t);
     } else {
-      e.sigma_a = std::max(-beam_share / (std::sqrt(3 * a * t) * radius_mm), least_error);
+      const double diffusion_length = 1 / std::sqrt(3 * a * t);
+      e.sigma_a = std::isinf(radius_mm) ? 0 : std::max(-beam_share * diffusion_length / radius_mm, least_error);
     }
     a = std::sqrt(a * fitted_a / (1 + e.sigma_a));  // half a step: no swinging to and fro
     s = std::sqrt(s * fitted_s / (1 + e.sigma_s_prime));
@@ -74,6 +75,15 @@ std::optional<glm::dvec3> towards(const Light& light, const glm::dvec3& p) {
     return -from;
   }
   return std::nullopt;
+}
+
+/// Of a light that meets the point's outer side.
+std::optional<double> incidence_deg(const Light& light, const VisiblePoint& p) {
+  if (std::holds_alternative<EnvironmentLight>(light)) return 45;  // mean over an even sky, weighted by the cosine
+  const auto l = towards(light, p.position);
+  const double cosine = l ? glm::dot(*l, glm::dvec3(p.normal)) : 0;
+  if (!(cosine > 0)) return std::nullopt;
+  return std::acos(std::min(cosine, 1.0)) * 180 / pi;
 }
 
 double median(std::vector<double> values) {
@@ -105,24 +115,23 @@ std::string words(const SurfaceBias& b) {
 
 SurfaceShape surface_shape(const Scene& scene, int material) {
   const GBuffer view = make_gbuffer(scene, RayScene(scene));
-  std::vector<const VisiblePoint*> at(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
+  const auto width = static_cast<std::size_t>(view.width);
+  std::vector<const VisiblePoint*> at(width * static_cast<std::size_t>(view.height));
   for (const VisiblePoint& p : view.points)
     if (scene.objects[static_cast<std::size_t>(p.object)].material == material) at[p.pixel] = &p;
   std::vector<double> curvature;
   double sum = 0, count = 0;
   for (std::size_t i = 0; i < at.size(); ++i) {
     if (at[i] == nullptr) continue;
-    for (const std::size_t j : {i + 1, i + static_cast<std::size_t>(view.width)}) {
+    const bool last_column = (i + 1) % width == 0;
+    for (const std::size_t j : {last_column ? at.size() : i + 1, i + width}) {
       if (j >= at.size() || at[j] == nullptr || at[j]->object != at[i]->object) continue;
       const glm::dvec3 bend = glm::dvec3(at[j]->normal) - glm::dvec3(at[i]->normal),
                        way = glm::dvec3(at[j]->position) - glm::dvec3(at[i]->position);
       if (glm::length(way) > 0) curvature.push_back(glm::length(bend) / glm::length(way));
     }
-    for (const Light& light : scene.lights) {
-      const auto l = towards(light, at[i]->position);
-      const double cosine = l ? glm::dot(*l, glm::dvec3(at[i]->normal)) : 0;
-      if (cosine > 0) sum += std::acos(std::min(cosine, 1.0)) * 180 / pi, ++count;
-    }
+    for (const Light& light : scene.lights)
+      if (const auto angle = incidence_deg(light, *at[i])) sum += *angle, ++count;
   }
   const double bend = median(std::move(curvature));
   return {bend > 0 ? 1 / bend : std::numeric_limits<double>::infinity(), count > 0 ? sum / count : 0};

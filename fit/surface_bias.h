@@ -13,7 +13,7 @@ namespace opaline {
 /// How the object's visible surface bends and how the light falls on it.
 struct SurfaceShape {
   double radius_mm = 0;      ///< 1/median curvature between neighbouring pixels; infinite: flat
-  double incidence_deg = 0;  ///< mean angle between the normal and the light over the visible lit points
+  double incidence_deg = 0;  ///< mean angle between the normal and the light over the visible lit points; of a sky 45
 };
 SurfaceShape surface_shape(const Scene& scene, int material);
 

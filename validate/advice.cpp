@@ -9,6 +9,12 @@ namespace opaline {
 namespace {
 
 using Key = std::tuple<std::string, std::string, std::map<std::string, std::string>>;
+using Scenes = std::set<std::pair<std::string, std::string>>;  ///< and their materials
+
+std::size_t count_without(const Scenes& scenes, const Scenes& left_out) {
+  return static_cast<std::size_t>(
+      std::count_if(scenes.begin(), scenes.end(), [&](const auto& scene) { return left_out.count(scene) == 0; }));
+}
 
 double relative_rmse(const Record& r) {
   const auto it = r.error.find("relative_rmse");
@@ -33,17 +39,21 @@ void take_in(const Record& r, double pixels, Way& way) {
 
 std::vector<Way> ways(const std::vector<Record>& records, double pixels) {
   std::map<Key, Way> by_key;
-  std::set<std::string> scenes;
+  std::map<Key, Scenes> excused;
+  Scenes scenes;
   for (const Record& r : records) {
-    if (r.status != CellStatus::done || !std::isfinite(relative_rmse(r)) || r.backend == "external") continue;
-    scenes.insert(r.scene + "\n" + r.material);
-    Way& way = by_key[{r.technique, r.backend, r.settings}];
+    if (r.backend == "external") continue;
+    const Key key{r.technique, r.backend, r.settings};
+    if (r.status == CellStatus::not_applicable) excused[key].insert({r.scene, r.material});
+    if (r.status != CellStatus::done || !std::isfinite(relative_rmse(r))) continue;
+    scenes.insert({r.scene, r.material});
+    Way& way = by_key[key];
     way.technique = r.technique, way.backend = r.backend, way.settings = r.settings, way.samples = r.samples;
     take_in(r, pixels, way);
   }
   std::vector<Way> all;
   for (auto& [key, way] : by_key)
-    if (way.scenes == scenes.size()) all.push_back(std::move(way));
+    if (way.scenes == count_without(scenes, excused[key])) all.push_back(std::move(way));
   return all;
 }
 

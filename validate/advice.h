@@ -2,7 +2,9 @@
 //
 // A way of rendering (technique, backend, settings) is judged by the worst relative_rmse it had on any measured scene
 // and material, and by the largest time it is expected to take: irradiance and prepare as measured, the frame in
-// proportion to the pixels of the film. Only ways that were done on every scene where any was are considered.
+// proportion to the pixels of the film. Only ways that were done on every measured scene they can render are
+// considered: a record that is not applicable excuses them, as scenes of layered materials do all techniques of
+// profiles.
 #pragma once
 
 #include "validate/record.h"

@@ -48,10 +48,10 @@ std::string own_materials(const json& document) {
 }
 
 void set_material(json& document, const SuiteMaterial& material) {
-  document["materials"] = {{"m", material.value}};
+  document["materials"] = {{material.name, material.value}};
   if (!document.contains("objects") || !document["objects"].is_array()) return;
   for (json& object : document["objects"])
-    if (object.is_object()) object["material"] = "m";
+    if (object.is_object()) object["material"] = material.name;
 }
 
 SceneCase make_case(const SuiteScene& scene, const SuiteMaterial* material) {
@@ -77,7 +77,8 @@ std::string hash_of(const Cell& cell, const Suite& suite, const std::vector<Scen
                       {"technique", cell.name},
                       {"backend", cell.backend},
                       {"settings", cell.technique ? full_settings(*cell.technique, cell.settings) : cell.command},
-                      {"gl", choice.gl},
+                      {"gl", cell.backend == "gpu" ? choice.gl : ""},
+                      {"threads", choice.threads},
                       {"edits", suite.edits},
                       {"shared", {suite.samples, suite.light_samples, suite.seed}},
                       {"times", {suite.runs, suite.max_seconds}},

@@ -38,7 +38,8 @@ struct Cell {
 struct CellChoice {
   std::vector<std::string> scenes, techniques, backends;
   std::vector<ExternalTechnique> externals;
-  std::string gl;  ///< which GL the gpu backend uses, as RenderOptions::gl
+  std::string gl;   ///< which GL the gpu backend uses, as RenderOptions::gl
+  int threads = 0;  ///< how many are used; 0: all processors
 };
 
 /// One case for each scene and material. Throws InputError for a name in `choice` that the suite lacks.

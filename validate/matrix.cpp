@@ -112,7 +112,7 @@ class Run {
       record.reason = failed->second;
     } else if (MeasuredScene* scene = scene_of(cell, record)) {
       const gl::Context* gl = cell.backend == "gpu" ? context_.get() : nullptr;
-      measure_cell({suite_, options_.folder, gl, context_.why_not(), options_.threads}, cell, *scene, record);
+      measure_cell({suite_, options_.folder, gl, context_.why_not(), options_.choice}, cell, *scene, record);
       watch.lap();
     }
     writer_->append(record);

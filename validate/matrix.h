@@ -21,7 +21,6 @@ struct RunOptions {
   bool remeasure = false;  ///< also cells that have a record
   /// Cells by hash that are not tried again, and why: they ended the program before.
   std::map<std::string, std::string> failed;
-  int threads = 0;  ///< for the commands in the records; 0: not said
 };
 
 struct RunSummary {

@@ -59,7 +59,8 @@ std::string command_line(const MeasureContext& context, const Cell& cell, const 
   for (const auto& [key, value] : cell.settings) text += fmt::format(" --set {}={}", key, value);
   text += fmt::format(" --samples {} --light-samples {} --seed {}", context.suite.samples, context.suite.light_samples,
                       context.suite.seed);
-  if (context.threads > 0) text += fmt::format(" --threads {}", context.threads);
+  if (context.choice.threads > 0) text += fmt::format(" --threads {}", context.choice.threads);
+  if (cell.backend == "gpu" && !context.choice.gl.empty()) text += " --gl " + context.choice.gl;
   return text + " --out image.exr";
 }
 

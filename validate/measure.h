@@ -11,7 +11,7 @@ struct MeasureContext {
   const std::string& folder;  ///< of the records
   const gl::Context* gl;      ///< null without a GL
   const std::string& no_gl;   ///< why there is none
-  int threads = 0;
+  const CellChoice& choice;   ///< for the commands in the records
 };
 
 /// Fills the record of the cell, whose names are set: status, times, errors, images, counters. Never throws for what a

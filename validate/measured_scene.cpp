@@ -6,6 +6,7 @@
 #include "validate/shared_file.h"
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <filesystem>
 
@@ -34,6 +35,13 @@ Scene scene_with_meshes(const SceneCase& c, std::vector<Mesh> meshes) {
   return scene;
 }
 
+/// A name as part of a file's that a shell takes for one word: materials are called "Head & Shoulders Shampoo".
+std::string one_word(std::string name) {
+  for (char& c : name)
+    if (std::isalnum(static_cast<unsigned char>(c)) == 0 && c != '-' && c != '+' && c != '.') c = '_';
+  return name;
+}
+
 SharedSettings shared_settings(const Suite& suite) {
   return {suite.samples, {.area_samples = suite.light_samples, .seed = suite.seed}};
 }
@@ -60,7 +68,7 @@ MeasuredScene::MeasuredScene(const Suite& suite, const SceneCase& c, const Shape
                              const std::string& folder)
     : suite_(suite), case_(c), folder_(folder) {
   for (const char* name : {"cache", "images", "scenes"}) fs::create_directories(fs::path(folder) / name);
-  scene_file = "scenes/" + c.name + "_" + c.material + ".json";
+  scene_file = "scenes/" + c.name + "_" + one_word(c.material) + ".json";
   write_text_atomically(folder + "/" + scene_file, c.document.dump(2) + "\n");
   const SharedSettings settings = shared_settings(suite);
   const json key = {{"program", program_hash()},

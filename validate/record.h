@@ -114,7 +114,8 @@ RecordFile read_records(const std::string& path);
 /// Appends lines to a records.jsonl; each is on disk when `append` returns (flushed and synchronised).
 class RecordWriter {
  public:
-  /// Makes the file if it's missing; cuts off a last line that is not whole. Throws InputError.
+  /// Makes the file if it's missing; cuts off a last line that is not whole, as read_records leaves it out. Throws
+  /// InputError.
   explicit RecordWriter(const std::string& path);
   ~RecordWriter();
   RecordWriter(const RecordWriter&) = delete;

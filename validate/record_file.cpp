@@ -34,11 +34,14 @@ json parsed(std::string_view line) { return json::parse(line, nullptr, false); }
   throw InputError(path, "", std::string("cannot be written: ") + std::strerror(errno));
 }
 
-/// Bytes of the file up to and with its last line end; what is after it was never finished.
-::off_t whole_lines(const std::string& path) {
+/// Ends the last line of an open file: with what it lacks if it is whole but for that, else by leaving it out.
+bool end_last_line(int file, const std::string& path) {
   const std::string text = read_file(path);
-  const std::size_t end = text.rfind('\n');
-  return end == std::string::npos ? 0 : static_cast<::off_t>(end + 1);
+  const std::size_t begin = text.rfind('\n') + 1;  // npos + 1 is 0
+  if (begin == text.size()) return true;
+  if (parsed(std::string_view(text).substr(begin)).is_discarded())
+    return ::ftruncate(file, static_cast<::off_t>(begin)) == 0;
+  return ::write(file, "\n", 1) == 1;
 }
 
 }  // namespace
@@ -51,11 +54,11 @@ RecordFile read_records(const std::string& path) {
     const std::size_t end = std::min(text.find('\n', begin), text.size());
     const std::string_view line(text.data() + begin, end - begin);
     const std::string place = "line " + std::to_string(++number);
-    const bool last = end + 1 >= text.size();
+    const bool unended = end == text.size();
     begin = end + 1;
     if (line.empty()) continue;
     const json document = parsed(line);
-    if (document.is_discarded() && !last) throw InputError(path, place, "is not valid JSON");
+    if (document.is_discarded() && !unended) throw InputError(path, place, "is not valid JSON");
     if (document.is_discarded())
       file.cut = true;
     else
@@ -67,7 +70,7 @@ RecordFile read_records(const std::string& path) {
 
 RecordWriter::RecordWriter(const std::string& path)
     : path_(path), file_(::open(path.c_str(), O_WRONLY | O_APPEND | O_CREAT | O_CLOEXEC, 0666)) {
-  if (file_ < 0 || ::ftruncate(file_, whole_lines(path)) != 0) fail(path);
+  if (file_ < 0 || !end_last_line(file_, path)) fail(path);
 }
 
 RecordWriter::~RecordWriter() { ::close(file_); }

@@ -68,6 +68,7 @@ std::vector<SettingValues> grid(JsonObject& in, const std::string& key, const js
   std::vector<SettingValues> all = {{}};
   for (const auto& [setting, value] : object.items()) {
     const json values = value.is_array() ? value : json::array({value});
+    if (values.empty()) in.fail(key, "\"" + setting + "\" must have at least one value");
     std::vector<SettingValues> extended;
     for (const SettingValues& before : all)
       for (const json& v : values) {
@@ -123,6 +124,9 @@ std::vector<SuiteMaterial> read_materials(JsonObject& in) {
     } else {
       in.fail("materials", "must be an array of library names or objects with a \"name\"");
     }
+    const auto same = [&](const SuiteMaterial& other) { return other.name == materials.back().name; };
+    if (std::any_of(materials.begin(), materials.end() - 1, same))
+      in.fail("materials", "two materials are called \"" + materials.back().name + "\"");
   }
   return materials;
 }

@@ -1,4 +1,4 @@
-// A suite: which cells `opaline validate` measures. One JSON file; suites/suite.md says what each key means and
+// A suite: which cells `opaline validate` measures. One JSON file; validate.md says what each key means and
 // suites/suite.schema.json is its JSON Schema.
 #pragma once
 

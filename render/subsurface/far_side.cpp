@@ -92,6 +92,7 @@ std::uint32_t visible_lights(const RayScene& rays, const VisiblePoint& p, const 
 }
 
 void find_far_sides(const FarSideTask& task, std::uint32_t behind, MarchPoint& p, std::uint64_t& rays_cast) {
+  if (task.lights.empty()) return;
   ++rays_cast;
   const SurfaceHit hit = task.rays.closest(p.position, -p.w_o, task.rays.offset());
   if (hit.object == task.object) {

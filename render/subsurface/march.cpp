@@ -7,11 +7,11 @@
 namespace opaline {
 namespace {
 
-/// (a, b, c, 1 for Schlick): c / (a + b turn)^2, or ^(3/2) for Henyey and Greenstein, turn = 1 - cos.
+/// (a, b, c, 1 for Schlick): c / (a + |b| x)^2, or ^(3/2) for Henyey and Greenstein, x = 1 - cos, or 1 + cos for b < 0.
 glm::vec4 phase_coefficients(const SubsurfaceLayer& layer) {
-  const double g = std::clamp(layer.g, -0.9999, 0.9999), c = (1 - g) * (1 + g) / (4 * pi);
+  const double g = std::clamp(layer.g, -0.9999, 0.9999), c = (1 - g) * (1 + g) / (4 * pi), least = 1 - std::abs(g);
   const bool schlick = layer.phase == Phase::schlick;
-  return {schlick ? 1 - g : (1 - g) * (1 - g), schlick ? g : 2 * g, c, schlick ? 1 : 0};
+  return {schlick ? least : least * least, schlick ? g : 2 * g, c, schlick ? 1 : 0};
 }
 
 /// Exact: the plane at a sample has a normal, and the light from it a direction, that lie between those at the ends.

@@ -99,9 +99,10 @@ FORMULA Layer either(Mask m, IN(Layer) a, IN(Layer) b) {
 }
 
 /// Schlick's or Henyey and Greenstein's phase function [1/sr]: front over the square, or the 3/2 power, of
-/// base + slope turn.
+/// base + |slope| times the distance of the cosine from the peak, which is at 1, for slope < 0 at -1: so no digits go
+/// where the function is largest.
 FORMULA Real phase(IN(Layer) layer, Real turn) {
-  Real root = inverse_root(layer.base + layer.slope * turn);
+  Real root = inverse_root(layer.base + abs(layer.slope) * choose(layer.slope < 0.0f, 2.0f - turn, turn));
   return layer.front * (root * root * root) * choose(layer.schlick, root, 1.0f);
 }
 
@@ -312,7 +313,8 @@ FORMULA March march(IN(Point) p) {
   Arrivals from_lights, to_lights;
   Transmittances left;
   arrive(ray, from, alive, from_lights, m);
-  for (int l = 0; l < lights; ++l) left.of[l] = exp_minus(from_lights.of[l].tau);
+  // Steps that nobody asks about leave to_lights as it is.
+  for (int l = 0; l < lights; ++l) to_lights.of[l] = from_lights.of[l], left.of[l] = exp_minus(from_lights.of[l].tau);
   int i = 1;
   do {
     next = to;

@@ -165,7 +165,7 @@ class GlMapping : public PreparedTechnique {
     Frame frame;
     frame.radiance.assign(view.points.size(), glm::vec3(0));
     frame.counters = mapped_.counters;
-    for (std::size_t o = 0; o < mapped_.objects.size() && !mapped_.lights.empty(); ++o) {
+    for (std::size_t o = 0; o < mapped_.objects.size(); ++o) {
       const ObjectPoints points = points_of_object(view, static_cast<int>(o));
       if (!points.indices.empty()) render_object(o, view, points.indices, frame);
     }
@@ -173,9 +173,11 @@ class GlMapping : public PreparedTechnique {
   }
 
  private:
+  /// Arrays have room for one light at least; no point sees it where there is none.
+  std::size_t program_lights() const { return std::max<std::size_t>(1, mapped_.lights.size()); }
+
   std::unique_ptr<gl::Program> make_program(const MappedObject& object) const {
-    const std::string given = given_source(object.medium, std::max<std::size_t>(1, mapped_.lights.size()),
-                                           settings_.march, settings_.reflection);
+    const std::string given = given_source(object.medium, program_lights(), settings_.march, settings_.reflection);
     return std::make_unique<gl::Program>(
         context_, std::vector<gl::Stage>{{gl::StageKind::vertex, {gl::shader_file("render/gl/fullscreen.vert")}},
                                          {gl::StageKind::fragment,
@@ -187,7 +189,7 @@ class GlMapping : public PreparedTechnique {
 
   void render_object(std::size_t o, const GBuffer& view, const std::vector<std::uint32_t>& indices,
                      Frame& frame) const {
-    PointImages images(indices.size(), mapped_.lights.size());
+    PointImages images(indices.size(), program_lights());
     std::vector<MarchPoint> points(indices.size());
     std::vector<MarchCounts> rays(indices.size());
     tbb::parallel_for(std::size_t{0}, indices.size(), [&](std::size_t i) {

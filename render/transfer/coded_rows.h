@@ -24,7 +24,7 @@ class CodedRows {
   std::size_t vertices() const { return vertices_; }
   std::size_t stride() const { return stride_; }
   std::size_t blocks() const { return (stride_ + block - 1) / block; }
-  const std::byte* bytes(std::size_t row) const { return &data_[row * stride_ * bytes_of(storage_)]; }
+  const std::byte* bytes(std::size_t row) const { return data_.data() + row * stride_ * bytes_of(storage_); }
   const std::vector<std::byte>& data() const { return data_; }
   const std::vector<Codebook>& codebooks() const { return codebooks_; }
   float scale(std::size_t row) const { return scale_.empty() ? 1 : scale_[row]; }

@@ -77,7 +77,8 @@ std::uint64_t table_key(const Scene& scene, const TransferSettings& s, const Tra
 EncodedTransfer encode(TransferTable table, const TransferNodes& nodes, const TransferVertices& vertices,
                        const TransferSettings& s) {
   if (s.form == TransferForm::harmonics) return encode_harmonics(table, nodes, s.order);
-  if (s.form == TransferForm::references)
+  // An object that nobody sees has no vertex, so it has no points either.
+  if (s.form == TransferForm::references && table.vertices > 0)
     return encode_references(table, nodes, vertices,
                              {.points = s.references ? s.references : default_references(table.vertices),
                               .selection = s.reference_selection,

@@ -27,8 +27,8 @@ struct TransferTable {
   /// Floats from row to row: the vertices, rounded up with zeros.
   std::size_t stride() const { return (vertices + lanes - 1) / lanes * lanes; }
   std::size_t rows() const { return keys.size() * static_cast<std::size_t>(tables); }
-  float* row(std::size_t r) { return &values[r * stride()]; }
-  const float* row(std::size_t r) const { return &values[r * stride()]; }
+  float* row(std::size_t r) { return values.data() + r * stride(); }
+  const float* row(std::size_t r) const { return values.data() + r * stride(); }
 };
 
 /// What a table is of. All referred to must outlive the call.

@@ -10,7 +10,8 @@ namespace {
 
 struct Tally {
   std::uint64_t done = 0, skipped = 0;
-  double largest = 0;  ///< largest share of one cell
+  bool has_done = false;  ///< is there a counter of work done with this name?
+  double largest = 0;     ///< largest share of one cell
   std::string largest_in;
 };
 
@@ -32,20 +33,20 @@ std::map<std::string, std::map<std::string, Tally>> tallies(const std::vector<Re
   for (const Record& r : records)
     for (const auto& [name, count] : r.skipped) {
       const auto done = r.done.find(name);
-      add(all[contender(r)][name], r, done == r.done.end() ? 0 : done->second, count);
+      Tally& tally = all[contender(r)][name];
+      tally.has_done |= done != r.done.end();
+      add(tally, r, done == r.done.end() ? 0 : done->second, count);
     }
   return all;
 }
 
 std::vector<TableCell> row(const std::string& who, const std::string& counter, const Tally& t) {
-  const TableCell none = reason_cell("no counter of work done has this name");
-  const bool has_share = t.done > 0;
   return {who,
           words(counter),
-          has_share ? number_cell(count_text(t.done)) : none,
+          t.has_done ? number_cell(count_text(t.done)) : reason_cell("-"),
           number_cell(count_text(t.skipped)),
-          has_share ? number_cell(relative_text(share(t.done, t.skipped))) : reason_cell("-"),
-          has_share && !t.largest_in.empty()
+          t.has_done ? number_cell(relative_text(share(t.done, t.skipped))) : reason_cell("-"),
+          t.has_done && !t.largest_in.empty()
               ? TableCell(fmt::format("{} in {}", relative_text(t.largest), t.largest_in))
               : reason_cell("-")};
 }
@@ -56,12 +57,13 @@ Blocks write(const ReportData& data) {
               {},
               false};
   for (const auto& [who, counters] : tallies(data.records))
-    for (const auto& [counter, tally] : counters) table.rows.push_back(row(who, counter, tally));
+    for (const auto& [counter, tally] : counters)
+      if (tally.skipped > 0) table.rows.push_back(row(who, counter, tally));
   if (table.rows.empty()) return {Paragraph{"No record counts skipped work.", Tone::muted}};
   return {
       Paragraph{
           "Work a scene doesn't need is not done; the counters of each cell say how much that was. Counts are exact "
-          "and the same on every machine."},
+          "and the same on every machine. A \"-\" means that nothing done is counted by the name of what was skipped."},
       table};
 }
 

@@ -20,6 +20,38 @@ TEST(SurfaceBias, FindsTheRadiusAndTheLightOfASphere) {
   EXPECT_NEAR(surface_shape(scene, 0).incidence_deg, 0, 1e-3);
 }
 
+/// Pixels at the two ends of the film are no neighbours: against pairs by their columns, on a surface that bends
+/// differently from place to place.
+TEST(SurfaceBias, TakesTheCurvatureOfNeighboursAlone) {
+  Scene scene = test::sphere_scene("skin1", 2, 500);
+  scene.objects[0].mesh = make_torus(4, 2, 4000);
+  scene.camera.position = {3.2, 0.3, 60};
+  scene.camera.look_at = {3.2, 0.3, 0};
+  scene.camera.height = 1;
+  const GBuffer view = make_gbuffer(scene, RayScene(scene));
+  ASSERT_EQ(view.points.size(), 4u);
+  std::vector<double> curvature;
+  for (const VisiblePoint& a : view.points)
+    for (const VisiblePoint& b : view.points) {
+      const int dx = std::abs(static_cast<int>(a.pixel % 2) - static_cast<int>(b.pixel % 2)),
+                dy = std::abs(static_cast<int>(a.pixel / 2) - static_cast<int>(b.pixel / 2));
+      if (a.pixel < b.pixel && dx + dy == 1)
+        curvature.push_back(
+            static_cast<double>(glm::length(a.normal - b.normal) / glm::length(a.position - b.position)));
+    }
+  ASSERT_EQ(curvature.size(), 4u);
+  std::sort(curvature.begin(), curvature.end());
+  EXPECT_NEAR(surface_shape(scene, 0).radius_mm * curvature[2], 1, 1e-5);
+}
+
+TEST(SurfaceBias, AnEvenSkyFallsFromFortyFiveDegreesOnAverage) {
+  Scene scene = test::sphere_scene("skin1", 8, 500);
+  Image sky(2, 1, {"R", "G", "B"});
+  for (float& v : sky.data) v = 1;
+  scene.lights = {EnvironmentLight{"", std::make_shared<const Image>(sky), Rgb(1)}};
+  EXPECT_EQ(surface_shape(scene, 0).incidence_deg, 45);
+}
+
 Material material(double sigma_a, double sigma_s_prime) {
   Material m;
   m.sigma_a = Rgb(sigma_a), m.sigma_s_prime = Rgb(sigma_s_prime), m.eta = 1.4;
@@ -46,6 +78,7 @@ TEST(SurfaceBias, SaysNothingOfWhatIsFlatAndStraight) {
   EXPECT_EQ(surface_bias({flat, 3}, material(.1, .9)).note, "");
   EXPECT_THAT(surface_bias({flat, 45}, material(.1, .9)).note, HasSubstr("not known"));
   EXPECT_EQ(surface_bias({flat, 45}, material(.1, .9)).sigma_a[0], 0);
+  EXPECT_EQ(surface_bias({flat, 3}, material(0, .9)).sigma_a[0], 0) << "not 0/0";
   for (const double a : {1e-6, .5, 20.0})
     EXPECT_TRUE(std::isfinite(surface_bias({3, 50}, material(a, .9)).sigma_a[1])) << a;
 }

@@ -90,26 +90,40 @@ TEST(March, ReadsTexturesAsTheSceneDoes) {
 
 TEST(March, PhaseFunctionsAreTheModels) {
   std::vector<SubsurfaceLayer> layers;
-  for (const double g : {-0.9, -0.2, 0.0, 0.4, 0.95})
+  for (const double g : {-0.9999, -0.9, -0.2, 0.0, 0.4, 0.95})
     for (const Phase phase : {Phase::schlick, Phase::henyey_greenstein}) layers.push_back({Rgb(1), Rgb(1), g, phase});
-  std::vector<float> even(10);
-  for (std::size_t k = 0; k < 10; ++k) even[k] = static_cast<float>(k + 1);
   std::vector<SurfaceTexture> depths;
-  for (std::size_t first = 0; first < 10; first += 4)
-    depths.push_back(
-        test::depth_image(1, 1,
-                          {even.begin() + static_cast<std::ptrdiff_t>(first),
-                           even.begin() + static_cast<std::ptrdiff_t>(std::min<std::size_t>(first + 4, 10))}));
+  for (std::size_t first = 0; first < layers.size(); first += 4) {
+    const auto end = static_cast<float>(first + 1);
+    depths.push_back(test::depth_image(1, 1, {end, end + 1, end + 2, end + 3}));
+  }
   const Material m = test::layered_material(layers, depths);
   const MarchMedium medium(*m.layers);
-  ASSERT_EQ(medium.stack.count, 10);
-  for (std::size_t k = 0; k < 10; ++k)
+  ASSERT_EQ(medium.stack.count, 12);
+  for (std::size_t k = 0; k < layers.size(); ++k)
     for (double cosine = -1; cosine <= 1; cosine += 0.125) {
       const SubsurfaceLayer& layer = layers[k];
       const glm::dvec4 c(medium.phases[k]);
       const double exact =
           layer.phase == Phase::schlick ? schlick_phase(cosine, layer.g) : henyey_greenstein(cosine, layer.g);
-      EXPECT_NEAR(c.z * std::pow(c.x + c.y * (1 - cosine), c.w > 0 ? -2 : -1.5) / exact, 1, 2e-5) << k << " " << cosine;
+      const double from_peak = c.y < 0 ? 1 + cosine : 1 - cosine;
+      EXPECT_NEAR(c.z * std::pow(c.x + std::abs(c.y) * from_peak, c.w > 0 ? -2 : -1.5) / exact, 1, 2e-5)
+          << k << " " << cosine;
+    }
+}
+
+// flat_point is seen from where its light comes, so light turns right back: where g < 0 has its peak, in which float
+// has no digits to lose.
+TEST(March, KeepsTheDigitsOfAPeakBackwards) {
+  for (const double g : {-0.9999, -0.99, -0.5, 0.5, 0.9999})
+    for (const Phase phase : {Phase::schlick, Phase::henyey_greenstein}) {
+      const Material m = test::even_layers({{Rgb(0.5), Rgb(1), g, phase}}, {1});
+      const double to_isotropic =
+          4 * pi * (phase == Phase::schlick ? schlick_phase(-1.0, g) : henyey_greenstein(-1.0, g));
+      on_every_target([&] {
+        const MarchResult r = marched({flat_point({0.5f, 0.5f})}, *m.layers, {7, true, 0})[0];
+        EXPECT_NEAR(static_cast<double>(r.radiance.g) / (closed_form(0.5, 1, 1) * to_isotropic), 1, 1e-5) << g;
+      });
     }
 }
 
@@ -262,6 +276,23 @@ TEST(March, EverySampleAndLightPathIsCountedOnce) {
     EXPECT_NEAR(static_cast<double>(gpu.counters.done.at(name)), static_cast<double>(count),
                 2e-4 * static_cast<double>(count))
         << name;
+}
+
+TEST(March, ADarkSceneIsCountedAlikeByBothBackendsWithoutARay) {
+  Scene scene = wavy_sphere(12);
+  scene.lights = {};
+  const SharedScene shared(scene, {1, {}}, false);
+  const Technique& technique = find_technique("subsurface_texture");
+  const Settings settings(technique.settings, {});
+  const Frame cpu = technique.prepare(shared, settings)->render(shared.view);
+  EXPECT_EQ(cpu.counters.done.at("far_side_rays"), 0u);
+  EXPECT_EQ(cpu.counters.skipped.at("march_samples_of_unlit_points"), 50 * shared.view.points.size());
+  const auto context = test::context_or_null();
+  if (!context) GTEST_SKIP() << test::no_gl;
+  const Frame gpu = technique.prepare_gpu(shared, settings, *context)->render(shared.view);
+  EXPECT_EQ(gpu.radiance, cpu.radiance);
+  EXPECT_EQ(gpu.counters.done, cpu.counters.done);
+  EXPECT_EQ(gpu.counters.skipped, cpu.counters.skipped);
 }
 
 }  // namespace

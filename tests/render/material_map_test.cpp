@@ -139,6 +139,14 @@ TEST_F(MapFiles, AreRejectedWithOneReason) {
   EXPECT_THAT(message(mapped_document({{"image", "two.exr"}})), HasSubstr("channels R, G and B, or just one"));
   EXPECT_THAT(message(mapped_document({{"image", "map.exr"}, {"wrap", "tile"}})), HasSubstr("repeat, clamp, mirror"));
   EXPECT_THAT(message(mapped_document({{"image", "map.exr"}, {"tint", 1}})), HasSubstr("unknown key \"tint\""));
+  nlohmann::json layered = mapped_document({{"image", "map.exr"}});
+  for (const auto& [image, reason] :
+       {std::pair("negative.exr", "has depths below 0"), std::pair("nan.exr", "NaN or")}) {
+    layered["materials"]["m1"] = {
+        {"layers",
+         {{"depth_textures", {{{"image", image}}}}, {"media", {{{"sigma_s_per_mm", 1}, {"sigma_t_per_mm", 1}}}}}}};
+    EXPECT_THAT(message(layered), testing::AllOf(HasSubstr("depth_textures/0/image: "), HasSubstr(reason)));
+  }
   nlohmann::json nothing = mapped_document({{"image", "map.exr"}, {"scale", {0, 1, 1}}});
   nothing["materials"]["m1"]["sigma_s_prime_per_mm"] = {0, 1, 1};
   EXPECT_THAT(message(nothing), HasSubstr("must be > 0 and finite in each channel"));

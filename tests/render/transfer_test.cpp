@@ -410,6 +410,19 @@ TEST(TransferSkips, AFixedViewServesNoOther) {
   EXPECT_THAT(test::message_of([&] { prepared->render(b.view); }), HasSubstr("view=fixed"));
 }
 
+// It has no vertex then, whatever is kept of the others.
+TEST(TransferSkips, AFixedViewMaySeeNothingOfAnObject) {
+  Scene scene = torus_scene("marble");
+  scene.objects.push_back(scene.objects[0]);
+  for (glm::vec3& p : scene.objects[1].mesh.positions) p.x += 500;
+  const SharedScene shared(scene, {1500, {}}, false);
+  for (const char* form : {"float", "vector", "lloyd", "harmonics", "reference"}) {
+    const Frame fixed = render(shared, {{"view", "fixed"}, {"form", form}, {"directions", "64"}}),
+                any = render(shared, {{"form", form}, {"directions", "64"}});
+    EXPECT_LT(difference(fixed.exitance, any.exitance), 0.02) << form;
+  }
+}
+
 TEST(TransferSkips, EqualChannelsAreMadeOnce) {
   Material grey = test::library_material("skin1");
   grey.sigma_a = Rgb(0.1), grey.sigma_s_prime = Rgb(1);

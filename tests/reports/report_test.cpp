@@ -96,6 +96,12 @@ TEST_F(Report, ComparesProcessorsAndCountsSkips) {
   EXPECT_THAT(markdown, HasSubstr("| hierarchical | 9 | 0.625 | 0.625 to 0.625 | software renderer |"))
       << "1 / 1.6, three scenes' samples";
   EXPECT_THAT(markdown, HasSubstr("| 75 % | 75 % in ")) << "3000 of 4000 samples are skipped everywhere";
+  ReportData all_skipped = read();
+  for (Record& r : all_skipped.records) r.done["samples"] = 0, r.skipped["rays"] = 0, r.done.erase("rays");
+  const std::string without = text(all_skipped);
+  EXPECT_THAT(without, HasSubstr("| samples | 0 | "));
+  EXPECT_THAT(without, HasSubstr("| 100 % | 100 % in "));
+  EXPECT_THAT(without, Not(HasSubstr("| rays | "))) << "skipped nowhere";
 }
 
 TEST_F(Report, ShowsFitsWithTheirTruth) {

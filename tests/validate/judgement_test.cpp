@@ -85,6 +85,20 @@ TEST(Advice, JudgesByTheWorstSceneAndScalesTheFrame) {
   EXPECT_TRUE(most_accurate_within(all, 1).empty());
 }
 
+TEST(Advice, ScenesThatATechniqueCannotRenderDontCountAgainstIt) {
+  std::vector<Record> records = {record("head", "profile", 1, 0.01), record("fish", "profile", 1, 0),
+                                 record("head", "layers", 2, 0),     record("fish", "layers", 2, 0.02),
+                                 record("head", "broken", 3, 0.01),  record("fish", "broken", 3, 0)};
+  records[1].status = records[2].status = CellStatus::not_applicable;
+  records[5].status = CellStatus::failed;
+  const std::vector<Way> all = ways(records, 100);
+  ASSERT_EQ(all.size(), 2u) << "what failed counts";
+  EXPECT_EQ(all[0].technique, "layers");
+  EXPECT_EQ(all[0].worst_error, 0.02);
+  EXPECT_EQ(all[1].technique, "profile");
+  EXPECT_EQ(all[1].scenes, 1u);
+}
+
 json gates_document(const json& gate) { return {{"format", "opaline-gates"}, {"version", 1}, {"gates", {gate}}}; }
 
 GateResult outcome(const json& gate, const std::vector<Record>& records) {

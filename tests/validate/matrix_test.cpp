@@ -135,6 +135,24 @@ TEST(Matrix, WhatCannotBeDoneHasItsReason) {
   EXPECT_EQ(run_suite(parse_suite(suite, "s.json"), options, test::test_shapes()).measured, 4u);
 }
 
+// Materials are called "Head & Shoulders Shampoo" or what a user likes; a command is pasted into a shell.
+TEST(Matrix, FilesOfScenesAreOneWordWhateverMaterialsAreCalled) {
+  test::TempFolder folder;
+  json suite = test::tiny_suite();
+  suite["scenes"][0]["materials"] = {"Head & Shoulders Shampoo"};
+  suite["scenes"][1]["scene"]["materials"] = {{"a/b c", suite["scenes"][1]["scene"]["materials"]["m1"]}};
+  suite["scenes"][1]["scene"]["objects"][0]["material"] = "a/b c";
+  suite["techniques"] = {"brute_force"};
+  const RunSummary summary = test::run_tiny(folder, suite);
+  ASSERT_EQ(summary.records.size(), 2u);
+  for (const Record& r : summary.records) {
+    ASSERT_EQ(r.status, CellStatus::done) << r.reason;
+    const std::string file = r.scene == "front" ? "front_Head___Shoulders_Shampoo" : "side_a_b_c";
+    EXPECT_THAT(r.command, HasSubstr("opaline render scenes/" + file + ".json --technique"));
+    EXPECT_TRUE(fs::exists(folder.file("out/scenes/" + file + ".json")));
+  }
+}
+
 TEST(Matrix, AnExternalRendererIsJudgedByTheSameReference) {
   test::TempFolder folder;
   const RunSummary ours = test::run_tiny(folder);

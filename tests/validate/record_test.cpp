@@ -77,6 +77,10 @@ TEST(RecordFile, ACutLastLineIsSaidAndLosesNothingElse) {
     // Without its line end alone the last record is still whole.
     EXPECT_EQ(file.records.size(), cut == size - 1 ? 2u : 1u);
     EXPECT_EQ(file.cut, cut != size - 1);
+    if (cut == size - 1) {
+      RecordWriter keeps(path);  // what is read is kept
+      EXPECT_EQ(read_records(path).records.size(), 2u);
+    }
   }
   RecordWriter(path).append(b);
   const RecordFile file = read_records(path);
@@ -106,6 +110,8 @@ TEST(RecordFile, BadLinesAreNamed) {
     return test::message_of([&] { read_records(folder.write("r.jsonl", text)); });
   };
   EXPECT_THAT(message(good + "{\n" + good), AllOf(HasSubstr("r.jsonl: line 2"), HasSubstr("JSON")));
+  // Ended, so not cut: a writer would leave it where it is, and what comes after it would never be read.
+  EXPECT_THAT(message(good + "{\n"), AllOf(HasSubstr("r.jsonl: line 2"), HasSubstr("JSON")));
   EXPECT_THAT(message(good + "{\"a\": 1}\n"), AllOf(HasSubstr("line 2"), HasSubstr("opaline-record")));
   EXPECT_THAT(message("[1]\n"), AllOf(HasSubstr("line 1"), HasSubstr("object")));
   std::string wrong = good;

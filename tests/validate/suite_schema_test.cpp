@@ -50,6 +50,7 @@ TEST(SuiteSchema, AgreesWithTheReader) {
                                                 {"/scenes/0/recipe", "bust_skin1"},
                                                 {"/scenes/0/nothing", 1},
                                                 {"/techniques", "all"},
+                                                {"/sweeps/hierarchical/0/max_relative_error", json::array()},
                                                 {"/techniques", "most"},
                                                 {"/backends", {"tpu"}},
                                                 {"/edits", {"light", "light"}},

@@ -41,6 +41,8 @@ TEST(Suite, RefusesWhatIsWrongAndSaysWhere) {
   EXPECT_THAT(refusal("/scenes/0", {{"name", "a"}, {"recipe", "fish_layer"}}), HasSubstr("fish_layers"));
   EXPECT_THAT(refusal("/layered_reference", {{"paths", 3}}), HasSubstr("max_relative_error"));
   EXPECT_THAT(refusal("/scenes/0/materials/0", 3), HasSubstr("/scenes/0/materials"));
+  EXPECT_THAT(refusal("/scenes/0/materials/1", "skin1"), HasSubstr("two materials"));
+  EXPECT_THAT(refusal("/sweeps/hierarchical/0/max_relative_error", json::array()), HasSubstr("at least one value"));
   EXPECT_THAT(refusal("/version", 2), HasSubstr("/version"));
   EXPECT_THAT(test::message_of([] { find_suite("quik"); }), AllOf(HasSubstr("quick"), HasSubstr(".json")));
 }
@@ -98,6 +100,20 @@ TEST(Cells, HashesFollowTheContent) {
   EXPECT_NE(after[8], before[8]) << "the file that the scene names";
   document["samples"] = 201;
   EXPECT_NE(hashes(document)[0], before[0]);
+}
+
+TEST(Cells, HashesFollowThreadsAndWhereItIsUsedTheGl) {
+  json document = test::tiny_suite();
+  document["backends"] = {"cpu", "gpu"};
+  const Suite suite = parse_suite(document, "tiny.json");
+  const auto cells = [&](const CellChoice& choice) { return enumerate_cells(suite, scene_cases(suite, {}), choice); };
+  CellChoice gl, threads;
+  gl.gl = "osmesa", threads.threads = 1;
+  const std::vector<Cell> plain = cells({}), by_gl = cells(gl), by_threads = cells(threads);
+  for (std::size_t i = 0; i < plain.size(); ++i) {
+    EXPECT_NE(by_threads[i].hash, plain[i].hash) << "times are others";
+    EXPECT_EQ(by_gl[i].hash != plain[i].hash, plain[i].backend == "gpu");
+  }
 }
 
 TEST(External, NeedsANameACommandAndItsPlaces) {

@@ -23,7 +23,7 @@ std::string figures(const Way& way) {
 [[noreturn]] void none_keeps(const ChoiceRequest& request, std::vector<Way> all) {
   if (all.empty())
     throw InputError(request.records, "",
-                     "has no technique with an error on every measured scene" +
+                     "has no technique with an error on every measured scene that it can render" +
                          (request.backend.empty() ? std::string() : " on the backend " + request.backend));
   const bool by_error = request.max_error.has_value();
   const Way& nearest = *std::min_element(all.begin(), all.end(), [&](const Way& a, const Way& b) {

@@ -39,7 +39,7 @@ void run(Arguments& a, const ShapeLibrary& shapes) {
   const Suite suite = find_suite(a.suite);
   const Judge judge(a.judge);
   supervise(a.run.folder + "/measuring", [&](const std::map<std::string, std::string>& failed) {
-    const auto limit = limit_threads(a.run.threads);
+    const auto limit = limit_threads(a.run.choice.threads);
     a.run.failed = failed;
     const RunSummary summary = measure(suite, a.run, shapes);
     if (!a.quiet) fmt::print("{}{}", run_table(summary), front_table(summary.records));
@@ -76,7 +76,7 @@ void add_validate_command(CLI::App& app, const ShapeLibrary& shapes) {
   validate->add_option("--baseline", a->judge.baseline, "Folder of an earlier run; exit with 1 when this one is worse");
   validate->add_flag("--self-check", a->self_check, "Measure everything twice and report how far the times differ");
   validate->add_flag("--quiet", a->quiet, "Only totals and verdicts, no table of cells");
-  add_threads_option(*validate, a->run.threads);
+  add_threads_option(*validate, a->run.choice.threads);
   validate->footer("Example: opaline validate quick --out out/quick --gates quick --junit out/quick.xml");
   validate->callback([a, &shapes] { run(*a, shapes); });
 }
