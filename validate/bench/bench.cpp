@@ -29,6 +29,7 @@ int run(int argc, char** argv) {
   int repetitions = 0;
   bool examination = false;
   std::size_t library = 0;
+  std::vector<std::string> library_shapes = {"sphere", "mesh", "slab"};
   CLI::App app("Opaline's benchmark: figures reached beside figures asked", "opaline_bench");
   app.add_option("--mesh", choice.mesh, "Mesh file instead of the synthetic bust");
   app.add_option("--height", choice.height, "Of the object [mm]")->check(CLI::PositiveNumber)->capture_default_str();
@@ -62,8 +63,12 @@ int run(int argc, char** argv) {
       ->check(CLI::Range(0, 100000));
   app.add_flag("--examination", examination, "Two views of 512 x 512: models compared, bootstrap");
   app.add_option("--library", library,
-                 "Every N-th material of the library from a noise-free picture (1: all, minutes; 0: none)")
+                 "Every N-th material of the library from a noise-free picture (1: all, an hour; 0: none)")
       ->check(CLI::Range(std::size_t{0}, std::size_t{1000}));
+  app.add_option("--library-shapes", library_shapes, "What the library is fitted on")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"sphere", "mesh", "slab"}))
+      ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   fmt::print("{}\n", machine());
   if (kernels) {
@@ -85,7 +90,7 @@ int run(int argc, char** argv) {
   if (examination) print_figures("Examination of a large fit: " + title, examination_figures(choice));
   if (repetitions > 0)
     print_figures("Calibration of the fit, 40 x 40 pixels", calibration_figures(repetitions, choice.mesh));
-  if (library > 0) print_library_figures(choice.mesh, library);
+  if (library > 0) print_library_figures(choice.mesh, library, library_shapes);
   return 0;
 }
 

@@ -68,7 +68,8 @@ std::vector<Figure> fit_figures(const SceneChoice& choice);
 std::vector<Figure> calibration_figures(int repetitions, const std::string& mesh);
 /// Every `every`-th material of the library from a noise-free picture, on a sphere, a mesh (empty: the bust) and a
 /// slab.
-void print_library_figures(const std::string& mesh, std::size_t every);
+/// shapes: of sphere, mesh, slab.
+void print_library_figures(const std::string& mesh, std::size_t every, const std::vector<std::string>& shapes);
 /// Two views of the object at 512 x 512: operator, models, bootstrap.
 std::vector<Figure> examination_figures(const SceneChoice& choice);
 /// Of the same object at 64 x 64 pixels, and of a sphere as high.

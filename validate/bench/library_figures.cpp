@@ -90,9 +90,9 @@ Outcome recover(const Scene& scene, const TransportOperator& op, std::size_t sam
 
 }  // namespace
 
-void print_library_figures(const std::string& mesh, std::size_t every) {
+void print_library_figures(const std::string& mesh, std::size_t every, const std::vector<std::string>& shapes) {
   constexpr std::size_t samples = 20000;
-  for (const std::string shape : {"sphere", "mesh", "slab"}) {
+  for (const std::string& shape : shapes) {
     Scene scene = scene_of(shape, mesh);
     OperatorSettings settings;
     settings.samples = samples;
