@@ -47,7 +47,8 @@ HWY_INLINE void land(D d, const BasisConstants& basis, V q, V scale, std::size_t
   hn::Store(node, di, out.node + at);
   const V f = hn::Sub(u, hn::ConvertTo(d, node));
   const V one = hn::Set(d, 1.0f), f1 = hn::Sub(f, one), f2 = hn::Sub(f1, one), f3 = hn::Sub(f2, one);
-  const V root = hn::Sqrt(x), w = hn::Div(scale, hn::Mul(root, hn::Sqrt(root)));  // scale x^(-3/4)
+  const V per_root = fast_inverse_sqrt(d, x);                                                 // x^(-1/2)
+  const V w = hn::Mul(scale, hn::Mul(per_root, fast_inverse_sqrt(d, hn::Mul(x, per_root))));  // scale x^(-3/4)
   const V sixth = hn::Mul(w, hn::Set(d, 1.0f / 6)), half = hn::Mul(w, hn::Set(d, 0.5f));
   const V a = hn::Mul(f, f1), b = hn::Mul(f2, f3);
   hn::StoreInterleaved4(hn::Neg(hn::Mul(hn::Mul(f1, b), sixth)), hn::Mul(hn::Mul(f, b), half),
@@ -142,49 +143,53 @@ struct ScaledParts {
   }
 };
 
-/// Shares of a leaf's flux by node, and the nodes that have any.
+/// Shares of a leaf's flux: four for every first node, apart from each other, so that a sum is found in the place and
+/// of the size in which it was left (the processor else waits for it); and the first nodes that have any.
 struct Shares {
-  float *near, *far;  // apart, so that one sum need not wait for the other
-  std::int32_t first, end;
+  glm::vec4 *near, *far;  // two, so that one sum need not wait for the other
+  std::int32_t first, last;
 };
 
-HWY_INLINE void add_row(const Landing& at, std::size_t i, float* shares) {
+HWY_INLINE void add_row(const Landing& at, std::size_t i, glm::vec4* shares) {
   const hn::CappedTag<float, 4> d;
-  float* to = shares + at.node[i];
+  float* to = &shares[at.node[i]].x;
   for (std::size_t j = 0; j < 4; j += hn::Lanes(d))
     hn::StoreU(hn::Add(hn::LoadU(d, to + j), hn::Load(d, at.value + 4 * i + j)), d, to + j);
 }
 
+/// At most a chunk of a leaf's parts.
 HWY_INLINE void share_out(const BasisConstants& basis, const ClusterNode& leaf, const float* parts, std::size_t count,
                           const glm::vec3& position, Shares& shares) {
   const hn::ScalableTag<float> d;
   const hn::RebindToSigned<decltype(d)> di;
   Landing near, far;
-  auto first = hn::Set(di, basis.last), last = hn::Zero(di);
+  auto first = hn::Set(di, shares.first), last = hn::Set(di, shares.last);
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     const ScaledParts<decltype(d)> scaled(leaf, parts + 4 * i);
     const auto q = two_points(d, scaled, position);
     const auto share = hn::Mul(scaled.scale_2, hn::Add(hn::Set(d, 0.5f), q.tilt));
-    land(d, basis, q.near, share, 0, near);
-    land(d, basis, q.far, hn::Sub(scaled.scale_2, share), 0, far);
-    first = hn::Min(first, hn::Load(di, near.node)), last = hn::Max(last, hn::Load(di, far.node));
-    for (std::size_t k = 0; k < std::min(hn::Lanes(d), count - i); ++k) {
-      add_row(near, k, shares.near);
-      add_row(far, k, shares.far);
-    }
+    land(d, basis, q.near, share, i, near);
+    land(d, basis, q.far, hn::Sub(scaled.scale_2, share), i, far);
+    first = hn::Min(first, hn::Load(di, near.node + i)), last = hn::Max(last, hn::Load(di, far.node + i));
   }
-  shares.first = hn::GetLane(hn::MinOfLanes(di, first)), shares.end = hn::GetLane(hn::MaxOfLanes(di, last)) + 4;
+  for (std::size_t i = 0; i < count; ++i) {
+    add_row(near, i, shares.near);
+    add_row(far, i, shares.far);
+  }
+  shares.first = hn::GetLane(hn::MinOfLanes(di, first)), shares.last = hn::GetLane(hn::MaxOfLanes(di, last));
 }
 
 /// Adds the leaf's fluxes times the shares, and clears these.
 template <class D>
-HWY_INLINE void add_fluxes(D d, const float* flux, std::size_t masses, const Shares& shares, float* accumulators) {
-  for (auto n = static_cast<std::size_t>(shares.first); n < static_cast<std::size_t>(shares.end); ++n) {
-    const auto share = hn::Set(d, shares.near[n] + shares.far[n]);
-    float* to = accumulators + n * masses;
+HWY_INLINE void add_fluxes(D d, const float* flux, std::size_t masses, Shares& shares, float* accumulators) {
+  glm::vec4 ahead(0);  // shares of node n and the next three
+  for (std::int32_t n = shares.first; n <= shares.last + 3; ++n) {
+    ahead = glm::vec4(ahead.y, ahead.z, ahead.w, 0) + (shares.near[n] + shares.far[n]);
+    shares.near[n] = shares.far[n] = glm::vec4(0);
+    const auto share = hn::Set(d, ahead.x);
+    float* to = accumulators + static_cast<std::size_t>(n) * masses;
     for (std::size_t m = 0; m < masses; m += hn::Lanes(d))
       hn::StoreU(hn::MulAdd(share, hn::LoadU(d, flux + m), hn::LoadU(d, to + m)), d, to + m);
-    shares.near[n] = shares.far[n] = 0;
   }
 }
 
@@ -192,11 +197,13 @@ void deposit_parts(const RadialBasis& basis, const ClusterTree& tree, const Depo
                    const glm::vec3& position, float* accumulators) {
   const BasisConstants constants(basis);
   const auto nodes = static_cast<std::size_t>(basis.size()), masses = static_cast<std::size_t>(tree.masses);
-  std::vector<float> sums(2 * nodes, 0.0f);
-  Shares shares{sums.data(), sums.data() + nodes, 0, 0};
+  std::vector<glm::vec4> sums(2 * nodes, glm::vec4(0));
+  Shares shares{&sums[0], &sums[nodes], 0, 0};
   for (std::size_t r = 0; r < list.run_count(); ++r) {
     const std::size_t leaf = list.run(r).leaf, first = list.run(r).first, count = list.run(r + 1).first - first;
-    share_out(constants, tree.nodes[leaf], list.part(first), count, position, shares);
+    shares.first = constants.last, shares.last = 0;
+    for (std::size_t i = 0; i < count; i += chunk)
+      share_out(constants, tree.nodes[leaf], list.part(first + i), std::min(chunk, count - i), position, shares);
     const float* flux = &tree.mass[leaf * masses];
     if (masses % 8 == 0) {
       add_fluxes(hn::CappedTag<float, 8>(), flux, masses, shares, accumulators);

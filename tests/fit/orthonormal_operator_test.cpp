@@ -55,7 +55,7 @@ TEST(OrthonormalOperator, IsTheOperator) {
       const MatrixXd m = matrix_of(op, light), q = q_of(o, l);
       EXPECT_EQ(q.cols(), m.cols()) << "full rank";
       EXPECT_LT((q * o.factor[l] - m).norm(), 1e-6 * m.norm());
-      EXPECT_LT((q.transpose() * q - MatrixXd::Identity(q.cols(), q.cols())).norm(), 1e-5);
+      EXPECT_LT((q.transpose() * q - MatrixXd::Identity(q.cols(), q.cols())).norm(), 1e-6);
     }
   }
 }
