@@ -65,7 +65,9 @@ MatrixXd inverse_triangle(const PivotedCholesky& cholesky) {
   return triangle.triangularView<Eigen::Lower>().solve(MatrixXd::Identity(rank, rank));
 }
 
-/// Rows of Q: `transform` times the pivots of the operator's.
+/// Rows of Q: `transform` times the pivots of the operator's. Q is written once, when both triangles have become one
+/// matrix; the first Q exists by the block only, in double. Each pass costs rows x rank^2 flops, the Gram matrix as
+/// many.
 struct PivotRows {
   const TransportOperator& op;
   int light;
