@@ -47,8 +47,7 @@ HWY_INLINE void land(D d, const BasisConstants& basis, V q, V scale, std::size_t
   hn::Store(node, di, out.node + at);
   const V f = hn::Sub(u, hn::ConvertTo(d, node));
   const V one = hn::Set(d, 1.0f), f1 = hn::Sub(f, one), f2 = hn::Sub(f1, one), f3 = hn::Sub(f2, one);
-  const V per_root = fast_inverse_sqrt(d, x);                                                 // x^(-1/2)
-  const V w = hn::Mul(scale, hn::Mul(per_root, fast_inverse_sqrt(d, hn::Mul(x, per_root))));  // scale x^(-3/4)
+  const V root = hn::Sqrt(x), w = hn::Div(scale, hn::Mul(root, hn::Sqrt(root)));  // scale x^(-3/4)
   const V sixth = hn::Mul(w, hn::Set(d, 1.0f / 6)), half = hn::Mul(w, hn::Set(d, 0.5f));
   const V a = hn::Mul(f, f1), b = hn::Mul(f2, f3);
   hn::StoreInterleaved4(hn::Neg(hn::Mul(hn::Mul(f1, b), sixth)), hn::Mul(hn::Mul(f, b), half),
