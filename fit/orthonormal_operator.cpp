@@ -1,5 +1,6 @@
 #include "fit/orthonormal_operator.h"
 
+#include "fit/block_product.h"
 #include "fit/pivoted_cholesky.h"
 
 #include <tbb/parallel_for.h>
@@ -48,70 +49,71 @@ MatrixXd operator_gram(const TransportOperator& op, int light, std::size_t step)
   const auto n = static_cast<Index>(op.columns());
   const std::size_t rows = (op.rows() + step - 1) / step;
   return symmetric(sum_over_rows(rows, n, n, [&](std::size_t first, std::size_t count, MatrixXd& sum) {
-    sum.selfadjointView<Eigen::Lower>().rankUpdate(columns_of(op, light, first * step, count, step));
+    const MatrixXd m = columns_of(op, light, first * step, count, step);
+    add_outer_product(m, m, true, sum);
   }));
 }
 
-/// Q: rows of M at the pivots, solved by the factor's triangle; one pass over the pixels.
-MatrixXf pivot_columns(const TransportOperator& op, int light, const PivotedCholesky& cholesky) {
+/// Of the rows of the factor at the pivots: what takes the columns at the pivots to orthonormal ones.
+MatrixXd inverse_triangle(const PivotedCholesky& cholesky) {
   const Index rank = cholesky.rank();
   MatrixXd triangle(rank, rank);
   for (Index k = 0; k < rank; ++k) {
     const Index p = cholesky.pivots[static_cast<std::size_t>(k)];
     triangle.row(k) = cholesky.length[p] * cholesky.factor.row(p);
   }
-  MatrixXf q(rank, static_cast<Index>(op.rows()));
-  const std::size_t pieces = (op.rows() + rows_at_once - 1) / rows_at_once;
-  tbb::parallel_for(std::size_t{0}, pieces, [&](std::size_t piece) {
-    const std::size_t first = piece * rows_at_once, count = std::min(rows_at_once, op.rows() - first);
-    const MatrixXd m = columns_of(op, light, first, count);
-    MatrixXd picked(rank, m.cols());
-    for (Index k = 0; k < rank; ++k) picked.row(k) = m.row(cholesky.pivots[static_cast<std::size_t>(k)]);
-    triangle.triangularView<Eigen::Lower>().solveInPlace(picked);
-    q.middleCols(static_cast<Index>(first), static_cast<Index>(count)) = picked.cast<float>();
-  });
-  return q;
+  return triangle.triangularView<Eigen::Lower>().solve(MatrixXd::Identity(rank, rank));
 }
 
-/// Makes the rows of q orthonormal; returns the factor that takes the old coordinates to the new ones. What rounding
-/// left dependent is dropped.
-MatrixXd orthonormalise_again(MatrixXf& q) {
-  const PivotedCholesky cholesky = pivoted_cholesky(weighted_gram(q, q, nullptr), 1e-6);
-  const Index rank = cholesky.rank();
-  MatrixXd triangle(rank, rank);
-  for (Index k = 0; k < rank; ++k) {
-    const Index p = cholesky.pivots[static_cast<std::size_t>(k)];
-    triangle.row(k) = cholesky.length[p] * cholesky.factor.row(p);
+/// Rows of Q: `transform` times the pivots of the operator's. Q is written once, when both triangles have become one
+/// matrix; the first Q exists by the block only, in double. Each pass costs rows x rank^2 flops, the Gram matrix as
+/// many.
+struct PivotRows {
+  const TransportOperator& op;
+  int light;
+  std::vector<Index> pivots;
+  MatrixXd transform;
+
+  MatrixXd of(std::size_t first, std::size_t count) const {
+    MatrixXd picked(static_cast<Index>(pivots.size()), static_cast<Index>(count));
+    for (std::size_t i = 0; i < count; ++i)
+      for (std::size_t k = 0; k < pivots.size(); ++k)
+        picked(static_cast<Index>(k), static_cast<Index>(i)) = static_cast<double>(op.row(first + i, light)[pivots[k]]);
+    MatrixXd q = MatrixXd::Zero(transform.rows(), picked.cols());
+    add_product(transform, picked, q);
+    return q;
   }
-  MatrixXf next(rank, q.cols());
-  const auto rows = static_cast<std::size_t>(q.cols());
-  const std::size_t pieces = (rows + rows_at_once - 1) / rows_at_once;
-  tbb::parallel_for(std::size_t{0}, pieces, [&](std::size_t piece) {
-    const auto first = static_cast<Index>(piece * rows_at_once);
-    const Index count = std::min(static_cast<Index>(rows_at_once), q.cols() - first);
-    MatrixXd picked(rank, count);
-    for (Index k = 0; k < rank; ++k)
-      picked.row(k) = q.row(cholesky.pivots[static_cast<std::size_t>(k)]).segment(first, count).cast<double>();
-    triangle.triangularView<Eigen::Lower>().solveInPlace(picked);
-    next.middleCols(first, count) = picked.cast<float>();
-  });
-  q = std::move(next);
-  return cholesky.factor_transposed();
-}
+  MatrixXd gram() const {
+    const Index n = transform.rows();
+    return symmetric(sum_over_rows(op.rows(), n, n, [&](std::size_t first, std::size_t count, MatrixXd& sum) {
+      const MatrixXd q = of(first, count);
+      add_outer_product(q, q, true, sum);
+    }));
+  }
+  MatrixXf all() const {
+    MatrixXf q(transform.rows(), static_cast<Index>(op.rows()));
+    const std::size_t pieces = (op.rows() + rows_at_once - 1) / rows_at_once;
+    tbb::parallel_for(std::size_t{0}, pieces, [&](std::size_t piece) {
+      const std::size_t first = piece * rows_at_once, count = std::min(rows_at_once, op.rows() - first);
+      q.middleCols(static_cast<Index>(first), static_cast<Index>(count)) = of(first, count).cast<float>();
+    });
+    return q;
+  }
+};
 
 struct Reduction {
   MatrixXf q;
   MatrixXd factor;
 };
 
-/// Which columns depend on which is learnt from every `step`-th row; lengths and angles are then made right on all.
+/// Which columns depend on which is learnt from every `step`-th row; lengths and angles are then made right on all, and
+/// what rounding left dependent is dropped.
 Reduction reduce(const TransportOperator& op, int light, double tolerance, std::size_t step) {
-  const PivotedCholesky cholesky = pivoted_cholesky(operator_gram(op, light, step), tolerance);
-  Reduction out;
-  out.q = pivot_columns(op, light, cholesky);
-  const MatrixXd again = orthonormalise_again(out.q);
-  out.factor = again * cholesky.factor_transposed();
-  return out;
+  const PivotedCholesky learnt = pivoted_cholesky(operator_gram(op, light, step), tolerance);
+  PivotRows rows{op, light, learnt.pivots, inverse_triangle(learnt)};
+  const PivotedCholesky again = ordered_cholesky(rows.gram(), 1e-6);
+  rows.transform = inverse_triangle(again) * rows.transform(again.pivots, Eigen::all);
+  return {rows.all(), again.factor_transposed() * learnt.factor_transposed()};
 }
 
 /// Is the operator Q L^T, on rows that the reduction has not learnt from, as well as the tolerance promises? A column
@@ -135,13 +137,10 @@ MatrixXd weighted_gram(const MatrixXf& a, const MatrixXf& b, const float* weight
   const auto body = [&](std::size_t first, std::size_t count, MatrixXd& sum) {
     const auto from = static_cast<Index>(first), n = static_cast<Index>(count);
     const MatrixXd left = a.middleCols(from, n).cast<double>();
-    if (same) {
-      sum.selfadjointView<Eigen::Lower>().rankUpdate(left);
-      return;
-    }
+    if (same) return add_outer_product(left, left, true, sum);
     MatrixXd right = b.middleCols(from, n).cast<double>();
     if (weight) right *= Eigen::Map<const Eigen::VectorXf>(weight + first, n).cast<double>().asDiagonal();
-    sum.noalias() += left * right.transpose();
+    add_outer_product(left, right, false, sum);
   };
   const MatrixXd sum = sum_over_rows(static_cast<std::size_t>(a.cols()), a.rows(), b.rows(), body);
   return same ? symmetric(sum) : sum;

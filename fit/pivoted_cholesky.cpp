@@ -1,16 +1,18 @@
 #include "fit/pivoted_cholesky.h"
 
 namespace opaline {
+namespace {
 
-PivotedCholesky pivoted_cholesky(const Eigen::MatrixXd& gram, double tolerance) {
+/// next(remaining): the pivot to take, or -1.
+template <typename Next>
+PivotedCholesky cholesky(const Eigen::MatrixXd& gram, Next next) {
   const Eigen::Index n = gram.rows();
   PivotedCholesky out;
   out.length = gram.diagonal().cwiseMax(0.0).cwiseSqrt();
   const Eigen::VectorXd scale = (out.length.array() > 0).select(out.length.array().inverse(), 0.0);
   Eigen::MatrixXd factor(n, n);
   Eigen::VectorXd remaining = (out.length.array() > 0).select(Eigen::ArrayXd::Ones(n), 0.0);
-  Eigen::Index pivot = 0;
-  while (out.pivots.size() < static_cast<std::size_t>(n) && remaining.maxCoeff(&pivot) > tolerance) {
+  for (Eigen::Index pivot; n > 0 && (pivot = next(remaining)) >= 0;) {
     const auto k = static_cast<Eigen::Index>(out.pivots.size());
     Eigen::VectorXd column = gram.col(pivot).cwiseProduct(scale) * scale[pivot];
     column -= factor.leftCols(k) * factor.row(pivot).head(k).transpose();
@@ -23,6 +25,25 @@ PivotedCholesky pivoted_cholesky(const Eigen::MatrixXd& gram, double tolerance) 
   }
   out.factor = factor.leftCols(static_cast<Eigen::Index>(out.pivots.size()));
   return out;
+}
+
+}  // namespace
+
+PivotedCholesky pivoted_cholesky(const Eigen::MatrixXd& gram, double tolerance) {
+  return cholesky(gram, [tolerance](const Eigen::VectorXd& remaining) {
+    Eigen::Index pivot = 0;
+    return remaining.maxCoeff(&pivot) > tolerance ? pivot : -1;
+  });
+}
+
+PivotedCholesky ordered_cholesky(const Eigen::MatrixXd& gram, double tolerance) {
+  Eigen::Index pivot = -1;
+  return cholesky(gram, [tolerance, pivot](const Eigen::VectorXd& remaining) mutable {
+    do {
+      ++pivot;
+    } while (pivot < remaining.size() && !(remaining[pivot] > tolerance));
+    return pivot < remaining.size() ? pivot : -1;
+  });
 }
 
 Eigen::VectorXd PivotedCholesky::solve(const Eigen::VectorXd& b) const {

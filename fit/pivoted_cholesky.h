@@ -23,4 +23,8 @@ struct PivotedCholesky {
 /// Pivots are taken while the largest remaining diagonal of D^-1 G D^-1 is above `tolerance`.
 PivotedCholesky pivoted_cholesky(const Eigen::MatrixXd& gram, double tolerance);
 
+/// Columns are taken as they come, those left out that have no more than `tolerance` remaining: for a matrix close to
+/// diagonal, whose factor then is a triangle as it stands.
+PivotedCholesky ordered_cholesky(const Eigen::MatrixXd& gram, double tolerance);
+
 }  // namespace opaline

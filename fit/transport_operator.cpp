@@ -44,24 +44,30 @@ struct OpeningCriterion {
 
 /// Fills the operator's rows from the deposits of one query.
 struct RowSink {
+  using Patches = DepositList;
+
   TransportOperator& op;
+  const ClusterTree& tree;
   const GBuffer& view;
   const std::vector<std::uint32_t>& point_of_query;  // index into view.points
   const std::vector<std::uint32_t>& row_of_point;
-  int masses;
   std::span<const std::uint32_t> queries{};
   std::span<const glm::vec3> positions{};
   std::vector<float> accumulators{};  // query of the group, then as the operator's row
 
-  std::size_t stride() const { return static_cast<std::size_t>(op.radial.size()) * static_cast<std::size_t>(masses); }
+  std::size_t stride() const {
+    return static_cast<std::size_t>(op.radial.size()) * static_cast<std::size_t>(tree.masses);
+  }
 
   void begin_group(std::span<const std::uint32_t> group, std::span<const glm::vec3> at) {
     queries = group, positions = at;
     accumulators.assign(group.size() * stride(), 0.0f);
   }
-  void add(const PatchList& patches, std::size_t first, std::size_t count, const std::array<float, 3>&) {
-    for (std::size_t i = first; i < first + count; ++i)
-      deposit_patches(op.radial, patches, nullptr, positions[i], &accumulators[i * stride()]);
+  void add(const DepositList& list, std::size_t first, std::size_t count, const std::array<float, 3>&) {
+    for (std::size_t i = first; i < first + count; ++i) {
+      deposit_patches(op.radial, list.patches(), nullptr, positions[i], &accumulators[i * stride()]);
+      deposit_parts(op.radial, tree, list, positions[i], &accumulators[i * stride()]);
+    }
   }
   float end_group() {
     for (std::size_t i = 0; i < queries.size(); ++i) write_row(point_of_query[queries[i]], &accumulators[i * stride()]);
@@ -78,7 +84,7 @@ struct RowSink {
                                     op.columns() +
                                 static_cast<std::size_t>(k) * static_cast<std::size_t>(op.radial.size())];
         const float* in = sums + k * op.light_channels + c;
-        for (int n = 0; n < op.radial.size(); ++n) out[n] = leaving * in[n * masses];
+        for (int n = 0; n < op.radial.size(); ++n) out[n] = leaving * in[n * tree.masses];
       }
     }
   }
@@ -136,7 +142,7 @@ void gather_rows(const GBuffer& view, int object, const SurfaceCells& cells, con
   const GatherCounts counts = gather(
       tree, cells, points.positions, [&] { return criterion; },
       [&] {
-        return RowSink{op, view, points.indices, row_of_point, tree.masses};
+        return RowSink{op, tree, view, points.indices, row_of_point};
       },
       group_size);
   op.counters.done["nodes_visited"] += counts.nodes_visited;

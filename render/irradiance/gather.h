@@ -19,9 +19,10 @@
 //                      std::array<float, 3> take_bound();
 //                      // The group will be worked through again, with errors smaller by this factor.
 //                      void tighten(float factor); };
-//   struct Sink      { void begin_group(std::span<const std::uint32_t> queries, std::span<const glm::vec3> positions);
+//   struct Sink      { using Patches = PatchList;  // or what else has its clear(), push(), push_part() and pad()
+//                      void begin_group(std::span<const std::uint32_t> queries, std::span<const glm::vec3> positions);
 //                      // For `count` of the group's queries from `first` on.
-//                      void add(const PatchList& padded_patches, std::size_t first, std::size_t count,
+//                      void add(const Patches& padded_patches, std::size_t first, std::size_t count,
 //                               const std::array<float, 3>& bound);
 //                      // Largest bound over what is allowed: above 1 the group is tried again, at most three times.
 //                      float end_group(); };
@@ -63,7 +64,7 @@ class GroupGather {
               std::size_t group_size)
       : tree_(tree), cells_(cells), criterion_(std::move(criterion)), sink_(std::move(sink)) {
     for (std::size_t size = group_size;; size = std::max<std::size_t>(1, size / 4)) {
-      levels_.push_back({size, PatchList(tree.masses), {}, {}, {}});
+      levels_.push_back({size, typename Sink::Patches(tree.masses), {}, {}, {}});
       if (size == 1) break;
     }
   }
@@ -101,11 +102,11 @@ class GroupGather {
     std::uint32_t leaf;
     float scale;
     int depth;
-    SurfaceCell cell;
+    glm::vec3 centroid;
   };
   struct Level {
     std::size_t size;
-    PatchList patches;
+    typename Sink::Patches patches;
     std::vector<std::uint32_t> nodes;  ///< roots of what has to be looked at
     std::vector<Part> parts;
     std::vector<std::size_t> pieces;  ///< sizes of the groups into which one of the level above falls
@@ -171,20 +172,19 @@ class GroupGather {
       levels_[l + 1].nodes.push_back(static_cast<std::uint32_t>(i));
       return node.skip;
     }
-    if (node.leaf()) refine(l, {static_cast<std::uint32_t>(i), 1, 0, cells_[node.cell]}, sphere, count);
+    if (node.leaf()) refine(l, {static_cast<std::uint32_t>(i), 1, 0, node.centroid}, sphere, count);
     return i + 1;
   }
 
   void visit(std::size_t l, const Part& part, const Sphere& sphere, std::size_t count) {
     const ClusterNode& leaf = tree_.nodes[part.leaf];
-    const glm::vec3 centroid = cell_centroid(part.cell);
-    const float distance = glm::length(centroid - sphere.centre), scale = std::abs(part.scale);
+    const float distance = glm::length(part.centroid - sphere.centre), scale = std::abs(part.scale);
     const bool accepted = criterion_.accept_part(leaf, scale, distance, sphere.radius);
     ++counts_.nodes_visited;
     if (accepted || part.depth == max_depth) {
       counts_.depth_limit_reached += !accepted;
       counts_.cell_parts += count;
-      levels_[l].patches.push_part(tree_, part.leaf, centroid, part.scale);
+      levels_[l].patches.push_part(tree_, part.leaf, part.centroid, part.scale);
       criterion_.use(&tree_.mass[part.leaf * static_cast<std::size_t>(tree_.masses)], scale * scale);
     } else if (scale * leaf.extent.radius < small * sphere.radius && criterion_.accept_part(leaf, scale, distance, 0)) {
       levels_[l + 1].parts.push_back(part);
@@ -193,13 +193,20 @@ class GroupGather {
     }
   }
 
+  /// Into the part's similar quarters: one at each corner, and the middle one, turned.
   void refine(std::size_t l, const Part& part, const Sphere& sphere, std::size_t count) {
-    SurfaceCell quarters[4];
-    split_in_four(part.cell, quarters);
-    for (int k = 0; k < 4; ++k) {
-      const float scale = k == 3 ? -part.scale / 2 : part.scale / 2;  // the middle quarter is turned
-      visit(l, {part.leaf, scale, part.depth + 1, quarters[k]}, sphere, count);
-    }
+    const float half = part.scale / 2;
+    if (part.leaf != corners_of_) find_corners(part.leaf);
+    for (int k = 0; k < 3; ++k)
+      visit(l, {part.leaf, half, part.depth + 1, part.centroid + half * corners_[k]}, sphere, count);
+    visit(l, {part.leaf, -half, part.depth + 1, part.centroid}, sphere, count);
+  }
+
+  void find_corners(std::uint32_t leaf) {
+    const ClusterNode& node = tree_.nodes[leaf];
+    const SurfaceCell& cell = cells_[node.cell];
+    corners_[0] = cell.a - node.centroid, corners_[1] = cell.b - node.centroid, corners_[2] = cell.c - node.centroid;
+    corners_of_ = leaf;
   }
 
   const ClusterTree& tree_;
@@ -210,6 +217,8 @@ class GroupGather {
   std::span<const MortonKey> group_;
   std::vector<std::uint32_t> queries_;
   std::vector<glm::vec3> positions_;
+  glm::vec3 corners_[3];  ///< of the cell of leaf corners_of_, from its centroid
+  std::uint32_t corners_of_ = ~0u;
   GatherCounts counts_;
 };
 

@@ -18,6 +18,7 @@ struct Exitance {
 
 /// Adds up one group's patches and their bounds.
 struct ExitanceSink {
+  using Patches = PatchList;
   const ProfileSum& profile;
   Exitance& out;
   float tolerance;            ///< 0: no group is ever repeated

@@ -40,11 +40,10 @@ struct ThirdMoments {
   V cubic, radial;
 };
 
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE ThirdMoments<V> third_moments(D d, const PatchList& patches, std::size_t i, const TwoPoints<V>& r, V xx,
-                                         V yy, V zz) {
+template <class D, class Geometry, class V = hn::Vec<D>>
+HWY_INLINE ThirdMoments<V> third_moments(D d, const Geometry& geometry, const TwoPoints<V>& r, V xx, V yy, V zz) {
   V k[10];
-  for (int m = 0; m < 10; ++m) k[m] = hn::LoadU(d, patches.geometry(11 + m, i));
+  for (int m = 0; m < 10; ++m) k[m] = geometry(11 + m);
   const V yz = hn::Mul(r.dy, r.dz), third = hn::Set(d, 1.0f / 3);
   // Ordered by powers of x, y, z: xxx xxy xxz xyy xyz xzz yyy yyz yzz zzz.
   const V with_xx = hn::MulAdd(k[0], r.dx, hn::MulAdd(k[1], r.dy, hn::Mul(k[2], r.dz)));
@@ -58,20 +57,20 @@ HWY_INLINE ThirdMoments<V> third_moments(D d, const PatchList& patches, std::siz
   return {cubic, hn::MulAdd(tx, r.dx, hn::MulAdd(ty, r.dy, hn::Mul(tz, r.dz)))};
 }
 
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE TwoPoints<V> two_points(D d, const PatchList& patches, std::size_t i, const glm::vec3& position) {
+/// c(row): row of the patches' geometry, as PatchList numbers them.
+template <class D, class Geometry, class V = hn::Vec<D>>
+HWY_INLINE TwoPoints<V> two_points(D d, const Geometry& c, const glm::vec3& position) {
   TwoPoints<V> r;
-  r.dx = hn::Sub(hn::Set(d, position.x), hn::LoadU(d, patches.geometry(0, i)));
-  r.dy = hn::Sub(hn::Set(d, position.y), hn::LoadU(d, patches.geometry(1, i)));
-  r.dz = hn::Sub(hn::Set(d, position.z), hn::LoadU(d, patches.geometry(2, i)));
+  r.dx = hn::Sub(hn::Set(d, position.x), c(0));
+  r.dy = hn::Sub(hn::Set(d, position.y), c(1));
+  r.dz = hn::Sub(hn::Set(d, position.z), c(2));
   const V xx = hn::Mul(r.dx, r.dx), yy = hn::Mul(r.dy, r.dy), zz = hn::Mul(r.dz, r.dz);
-  const auto c = [&](int row) HWY_ATTR { return hn::LoadU(d, patches.geometry(row, i)); };
   // D^T C D with the off-diagonal terms counted twice.
   const V mixed = hn::MulAdd(hn::MulAdd(c(4), r.dy, hn::Mul(c(5), r.dz)), r.dx, hn::Mul(hn::Mul(c(7), r.dy), r.dz));
   const V pure = hn::MulAdd(c(3), xx, hn::MulAdd(c(6), yy, hn::Mul(c(8), zz)));
   const V along = hn::MulAdd(hn::Set(d, 2.0f), mixed, pure);
   const V trace = c(9);
-  const ThirdMoments<V> third = third_moments(d, patches, i, r, xx, yy, zz);
+  const ThirdMoments<V> third = third_moments(d, c, r, xx, yy, zz);
   // The floor is for cancellation: the parts are known to 1e-6, and padding has none.
   const V parts = hn::MulAdd(hn::Set(d, 4.0f), along, c(10));
   const V floor = hn::MulAdd(hn::Set(d, 1e-5f), parts, hn::Set(d, 1e-36f));
@@ -90,6 +89,18 @@ HWY_INLINE TwoPoints<V> two_points(D d, const PatchList& patches, std::size_t i,
   r.near = hn::Max(hn::Sub(middle, r.spread), hn::Mul(gap, gap));
   r.far = hn::Min(hn::Add(middle, r.spread), hn::Mul(reach, reach));
   return r;
+}
+
+template <class D>
+struct ListedPatches {
+  const PatchList& patches;
+  std::size_t first;
+  HWY_INLINE hn::Vec<D> operator()(int row) const { return hn::LoadU(D(), patches.geometry(row, first)); }
+};
+
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE TwoPoints<V> two_points(D d, const PatchList& patches, std::size_t i, const glm::vec3& position) {
+  return two_points(d, ListedPatches<D>{patches, i}, position);
 }
 
 }  // namespace opaline::HWY_NAMESPACE

@@ -10,6 +10,7 @@ namespace opaline {
 namespace {
 
 struct TransferSink {
+  using Patches = PatchList;
   const ProfileSum& profile;
   const TransferTree& tree;
   std::span<const OwnDisc> discs;

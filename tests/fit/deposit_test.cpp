@@ -168,5 +168,56 @@ TEST(Deposit, AgreesWithTheRuleInDoubleOnEveryInstructionSet) {
   limit_simd_target("");
 }
 
+/// The leaf as large as a part of it.
+ClusterNode scaled(ClusterNode node, const glm::vec3& centroid, float scale) {
+  node.centroid = centroid;
+  for (float& c : node.covariance) c *= scale * scale;
+  for (float& c : node.third) c *= scale * scale * scale;
+  node.extent = node.extent.scaled(std::abs(scale));
+  return node;
+}
+
+/// Runs of parts of every length around that of a vector, and of a chunk.
+void compare_parts(int masses) {
+  std::mt19937 random(static_cast<unsigned>(masses));
+  std::uniform_real_distribution<float> side(-1, 1);
+  const RadialBasis basis(0.01, 9, 0.1);
+  const glm::vec3 position(0.1f, 0.5f, 0.2f);
+  const std::size_t lengths[] = {1, 2, 7, 8, 15, 16, 17, 40, 63, 64, 65, 130, 1}, leaves = std::size(lengths);
+  const ClusterTree tree = random_tree(leaves, masses, random);
+  ClusterTree parts;  // as nodes of their own
+  parts.masses = masses;
+  DepositList list(masses);
+  for (std::size_t leaf = 0; leaf < leaves; ++leaf)
+    for (std::size_t i = 0; i < lengths[leaf]; ++i) {
+      const float scale = (i % 3 == 1 ? -1.0f : 1.0f) / static_cast<float>(2 << i % 5);
+      const glm::vec3 at = tree.nodes[leaf].centroid + 0.3f * glm::vec3(side(random), side(random), side(random));
+      list.push_part(tree, static_cast<std::uint32_t>(leaf), at, scale);
+      parts.nodes.push_back(scaled(tree.nodes[leaf], at, scale));
+      for (int m = 0; m < masses; ++m)
+        parts.mass.push_back(scale * scale *
+                             tree.mass[leaf * static_cast<std::size_t>(masses) + static_cast<std::size_t>(m)]);
+    }
+  list.pad();
+  parts.first_moment.assign(3 * parts.mass.size(), 0.0f);
+  const std::size_t size = static_cast<std::size_t>(basis.size() * masses);
+  std::vector<float> found(size, 0.5f);
+  deposit_parts(basis, tree, list, position, found.data());
+  Sums sums{std::vector<double>(size, 0.5), std::vector<double>(size, 0.5)};
+  for (std::size_t i = 0; i < parts.nodes.size(); ++i) add_patch(basis, parts, i, 1, position, sums);
+  for (std::size_t k = 0; k < size; ++k)
+    ASSERT_NEAR(static_cast<double>(found[k]), sums.value[k], 2e-5 * sums.magnitude[k])
+        << masses << " masses, entry " << k;
+}
+
+TEST(Deposit, OfPartsIsThatOfPatchesAsSmallOnEveryInstructionSet) {
+  for (const std::string& target : simd_targets()) {
+    SCOPED_TRACE(target);
+    ASSERT_TRUE(limit_simd_target(target));
+    for (const int masses : {1, 3, 8, 24}) compare_parts(masses);
+  }
+  limit_simd_target("");
+}
+
 }  // namespace
 }  // namespace opaline

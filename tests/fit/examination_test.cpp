@@ -216,7 +216,7 @@ TEST(KnownNoise, TellsAModelThatDoesNotFit) {
 }
 
 TEST(DiagnosisTest, SaysWhatAFlatPictureDetermines) {
-  Scene scene = test::make_scene(make_slab({100, 100, 30}, 3000), test::library_material("cream"), 20, 24);
+  Scene scene = test::make_scene(make_slab({100, 100, 30}, 3000), test::library_material("skin1"), 20, 24);
   scene.lights = {DirectionalLight{{0, 0, -1}, Rgb(1), 0}};
   TransportOperator op = build_operator(scene, 0, EtaNodes(1.3), test::small_operator(4000));
   Image picture = operator_image(op, dipole(), scene.materials[0]);

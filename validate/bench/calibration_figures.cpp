@@ -109,13 +109,26 @@ std::vector<Figure> calibration_figures(int repetitions, const std::string& mesh
   return figures;
 }
 
+namespace {
+
+/// The large products of the reduction: three triangular ones (orthonormal_operator.h).
+double reduction_flops(const std::vector<FitTarget>& targets) {
+  double sum = 0;
+  for (const FitTarget& t : targets)
+    for (const Eigen::MatrixXf& q : t.basis.q)
+      sum += 3 * static_cast<double>(q.cols()) * static_cast<double>(q.rows()) * static_cast<double>(q.rows());
+  return sum;
+}
+
+}  // namespace
+
 std::vector<Figure> examination_figures(const SceneChoice& choice) {
   SceneChoice large = choice;
   large.film = 512;
   Scene scene = bench_scene(large);
   const Material truth = scene.materials.front();
   std::vector<FitTarget> targets;
-  double gather = 0, reduce = 0;
+  double gather = 0, reduce = 0, patches = 0;
   Stopwatch watch;
   for (int view = 0; view < 2; ++view) {
     if (view == 1) scene.lights = {DirectionalLight{glm::normalize(glm::dvec3(0.9, -0.3, -0.3)), Rgb(3), 0}};
@@ -133,6 +146,8 @@ std::vector<Figure> examination_figures(const SceneChoice& choice) {
     for (int c = 0; c < 3; ++c)
       sd[static_cast<std::size_t>(c)] = 0.01 * std::sqrt(target.products(c, c) / static_cast<double>(target.rows()));
     replace_picture(target, noisy(target.picture, sd, static_cast<std::uint64_t>(view) + 1));
+    for (const char* kind : {"clusters", "cells", "cell_parts"})
+      patches += static_cast<double>(target.op.counters.done.at(kind));
     targets.push_back(std::move(target));
   }
   const SolveSettings settings;
@@ -142,7 +157,9 @@ std::vector<Figure> examination_figures(const SceneChoice& choice) {
   const FitProblem problem(targets, s.whitened, transport(), settings, s.bounds);
   const Bootstrap repeated = bootstrap(problem, s, 200, 1);
   return {{"operators of two views of 512 x 512, gather and reduction", gather + reduce, 15, true, "s",
-           fmt::format("gather {:.1f}, {} + {} pixels", gather, targets[0].rows(), targets[1].rows())},
+           fmt::format("gather {:.1f} ({:.1f} ns a patch), reduction {:.1f} ({:.0f} GFLOP/s in double), {} + {} pixels",
+                       gather, 1e9 * gather / patches, reduce, 1e-9 * reduction_flops(targets) / reduce,
+                       targets[0].rows(), targets[1].rows())},
           {"solve, 8 starts", s.seconds, 0, true, "s", fmt::format("{} iterations", s.iterations)},
           {"all models compared", models.seconds, 3, true, "s", fmt::format("{} profiles", models.models.size())},
           {"bootstrap of 200", repeated.seconds, 2, true, "s", fmt::format("{} failed", repeated.failed)},
