@@ -321,6 +321,7 @@ NoiseModel sum_of_noise(const NoiseModel& a, const NoiseModel& b, double scale) 
     sum.relative[c] = std::hypot(a.relative[c], b.relative[c]);
   }
   sum.correlation_known = a.correlation_known && b.correlation_known;
+  sum.rough = a.rough || b.rough;
   return sum;
 }
 

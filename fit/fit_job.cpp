@@ -204,7 +204,7 @@ void examine(const FitJob& job, const std::vector<FitTarget>& targets, const Pro
   report.uncertainty = uncertainty(s, job.solve.free);
   const FitProblem problem(targets, s.whitened, profile, report.job.solve, s.bounds);
   const bool measured = report.correction && report.correction->measured;  // then the operator's likelihood is not it
-  if (job.profile_intervals && job.solve.loss.kind == RobustLoss::Kind::squares && !measured)
+  if (job.profile_intervals && job.solve.loss.kind == RobustLoss::Kind::squares && !measured && !rough_noise(targets))
     profile_intervals(problem, s, report.uncertainty);
   report.diagnosis = diagnose(s, report.uncertainty);
   if (job.bootstrap == 0) return;

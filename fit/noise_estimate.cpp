@@ -12,6 +12,8 @@
 namespace opaline {
 namespace {
 
+using Terms = Eigen::Array3d;  ///< coefficients of 1, signal, signal^2
+
 /// One pixel's estimate: `square` has the noise's variance as its mean.
 struct Sample {
   double signal, square;
@@ -20,8 +22,10 @@ struct Sample {
 /// Median of a squared standard normal.
 constexpr double median_of_square = 0.454936423119573;
 
+/// Means over a class.
 struct Class {
-  double signal = 0, variance = 0;
+  double signal = 0, square = 0, variance = 0;
+  double of(const Terms& terms) const { return terms[0] + terms[1] * signal + terms[2] * square; }
 };
 
 /// Samples of equal number in order of brightness; the variance of each from the median, or the mean where the squares
@@ -35,8 +39,9 @@ std::vector<Class> classes(std::vector<Sample> samples, bool squares_of_normals)
     Class c;
     std::vector<double> squares;
     for (std::size_t k = first; k < last; ++k) {
-      c.signal += samples[k].signal / static_cast<double>(last - first);
-      c.variance += samples[k].square / static_cast<double>(last - first);
+      const double signal = std::max(samples[k].signal, 0.0), share = 1 / static_cast<double>(last - first);
+      c.signal += share * signal, c.square += share * signal * signal;
+      c.variance += share * samples[k].square;
       squares.push_back(samples[k].square);
     }
     if (squares.empty()) continue;
@@ -49,8 +54,6 @@ std::vector<Class> classes(std::vector<Sample> samples, bool squares_of_normals)
   }
   return out;
 }
-
-using Terms = Eigen::Array3d;  ///< coefficients of 1, signal, signal^2
 
 /// The non-negative coefficients of the allowed terms that fit best with these weights: the best of all subsets.
 Terms best_terms(const Eigen::MatrixXd& rows, const Eigen::VectorXd& values, int allowed) {
@@ -84,15 +87,11 @@ Terms fit_terms(const std::vector<Class>& all, int allowed) {
     Eigen::VectorXd values(n);
     for (Eigen::Index i = 0; i < n; ++i) {
       const Class& c = all[static_cast<std::size_t>(i)];
-      const double s = std::max(c.signal, 0.0);
-      rows.row(i) = Eigen::RowVector3d(1, s, s * s) / expected[i];
+      rows.row(i) = Eigen::RowVector3d(1, c.signal, c.square) / expected[i];
       values[i] = c.variance / expected[i];
     }
     terms = best_terms(rows, values, allowed);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const double s = std::max(all[static_cast<std::size_t>(i)].signal, 0.0);
-      expected[i] = std::max(terms[0] + s * (terms[1] + s * terms[2]), least);
-    }
+    for (Eigen::Index i = 0; i < n; ++i) expected[i] = std::max(all[static_cast<std::size_t>(i)].of(terms), least);
   }
   return terms;
 }
@@ -207,7 +206,7 @@ NoiseModel noise_from_layer(const Image& picture, const Image& layers, const std
   }
   if (samples[0].empty()) throw InputError("--noise", "", "'layer': the picture's variance is 0 everywhere");
   NoiseModel noise = model_of(samples, false, "the renderer's variance");
-  if (!getenv("IDC")) noise.correlation_known = false;
+  noise.rough = true;
   return noise;
 }
 

@@ -21,7 +21,10 @@ struct NoiseModel {
   std::array<double, 3> relative{};                           ///< sd as a share of the signal
   Eigen::Matrix3d correlation = Eigen::Matrix3d::Identity();  ///< between channels of one pixel
   bool correlation_known = true;                              ///< false: the residual tells the correlation
-  std::string source = "the residual";                        ///< where it comes from, for reports
+  /// Sizes good enough for weights, but not the whole of the noise: intervals come from how the residuals scatter (the
+  /// sandwich, as for robust losses).
+  bool rough = false;
+  std::string source = "the residual";  ///< where it comes from, for reports
 
   bool uniform() const { return shot == std::array<double, 3>{} && relative == std::array<double, 3>{}; }
   /// Of a channel whose noise-free value is `signal`.

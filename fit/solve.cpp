@@ -8,6 +8,7 @@
 #include <tbb/parallel_for.h>
 #include <Eigen/LU>
 
+#include <algorithm>
 #include <cmath>
 
 namespace opaline {
@@ -84,6 +85,10 @@ void record_noise(const FitProblem& problem, const std::vector<Covariance>& nois
 
 }  // namespace
 
+bool rough_noise(const std::vector<FitTarget>& targets) {
+  return std::any_of(targets.begin(), targets.end(), [](const FitTarget& t) { return t.noise.known && t.noise.rough; });
+}
+
 Solution solve(const std::vector<FitTarget>& targets, const ProfileInfo& profile, const Material& initial,
                const SolveSettings& settings) {
   Stopwatch watch;
@@ -95,13 +100,14 @@ Solution solve(const std::vector<FitTarget>& targets, const ProfileInfo& profile
   const StartRecord& best = solution.starts[static_cast<std::size_t>(solution.best_start)];
   FitPoint at = polish(problem, {best.to, best.ln_scale}, weights, solution);
   std::vector<Covariance> noise = noise_at(problem, at);
-  if (settings.loss.kind != RobustLoss::Kind::squares) {
+  const bool squares = settings.loss.kind == RobustLoss::Kind::squares;
+  if (!squares || rough_noise(targets)) {
     RobustFit robust = robust_fit(targets, profile, settings, solution.bounds, at);
     weights = std::move(robust.whitened);
     noise = std::move(robust.noise);
     at = robust.end.at;
     solution.jacobian = std::move(robust.jacobian);
-    solution.pixel_weight_share = std::move(robust.mean_weight);
+    if (!squares) solution.pixel_weight_share = std::move(robust.mean_weight);
     solution.converged = robust.settled;
     solution.iterations += static_cast<int>(robust.end.history.size());
   } else {

@@ -75,6 +75,9 @@ struct Solution {
   double seconds = 0;
 };
 
+/// Does any target's noise leave its intervals to the residuals?
+bool rough_noise(const std::vector<FitTarget>& targets);
+
 /// A mean free path below an operator's r_0 is flatter in it than in the picture, so that its fit would be an
 /// artefact: coefficients above 1/r_0 are not searched, whatever the settings allow.
 /// initial: the material to start from; its values stay where a parameter is not free.

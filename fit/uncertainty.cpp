@@ -85,7 +85,9 @@ ParameterEstimate estimate(int i, const Solution& solution, double sd, bool free
   e.high = natural_value(i, std::min(value + normal_95 * sd, bounds.upper(i)));
   include_equal_fits(solution, e,
                      [i](const ParameterVector& p) { return natural_value(i, p[static_cast<std::size_t>(i)]); });
-  e.reason = why_not(i, value, sd, e, bounds);
+  // Rounding, not the picture, would then say what is known.
+  const bool too_few = solution.freedom + static_cast<double>(solution.prior_rows) < 0;
+  e.reason = too_few ? "there are fewer values than unknowns" : why_not(i, value, sd, e, bounds);
   e.identifiable = e.reason.empty();
   return e;
 }

@@ -3,7 +3,7 @@
 #include "fit/defect_correction.h"
 #include "fit/profile_interval.h"
 #include "fit/reduced_picture.h"
-#include "tests/support/fit_fixture.h"
+#include "tests/support/fit_job_fixture.h"
 
 #include <gtest/gtest.h>
 
@@ -139,6 +139,51 @@ TEST_F(DefectCorrection, IntervalsHoldTheNoiseOfBoth) {
     EXPECT_LT(std::abs(squares[static_cast<std::size_t>(i)] - 1), 4 * std::sqrt(2.0 / repetitions))
         << parameter_name(i);
   }
+}
+
+/// Through the whole job, with renders: the operator of few nodes is made right by the gather, and what it says of
+/// itself is kept.
+class CorrectedJob : public test::FitJobTest {};
+
+TEST_F(CorrectedJob, IsTheFitOfTheTechnique) {
+  const nlohmann::json document = test::sphere_document();
+  const Scene scene = parse_scene(document, folder_.file("scene.json"), synthetic_shapes());
+  const std::map<std::string, std::string> gather = {
+      {"profile", "standard_dipole"}, {"max_relative_error", "1e-5"}, {"discretisation", "fixed"}};
+  FitJob job = job_;
+  job.targets = {image_file("clean.exr", test::picture_of(scene, job.op, "hierarchical", gather))};
+  job.solve.free.eta = false;
+  const auto worst = [&](const FitReport& report) {
+    const ParameterVector truth = to_parameters(scene.materials[0], {});
+    double most = 0;
+    for (int i = 0; i < eta_index; ++i)
+      most = std::max(most, std::abs(test::relative_error(i, report.solution.parameters, truth)));
+    return most;
+  };
+  const FitReport plain = run(job);
+  job.reference.emplace().technique = "hierarchical";
+  job.reference->settings = gather;
+  const FitReport corrected = run(job);
+  EXPECT_FALSE(plain.correction);
+  ASSERT_TRUE(corrected.correction);
+  EXPECT_TRUE(corrected.correction->converged);
+  EXPECT_GT(corrected.correction->renders_saved, 0);
+  EXPECT_LT(worst(corrected), 1e-5);
+  EXPECT_LT(worst(corrected), 0.1 * worst(plain));
+  EXPECT_TRUE(fit_json(corrected).contains("correction"));
+  // The report's pictures are the data and the technique's, not the corrected data and the operator's.
+  const Image data = read_image(job.targets[0]);
+  for (std::size_t k = 0; k < data.pixel_count(); ++k)
+    if (data.data[4 * k + 3] > 0) ASSERT_NEAR(corrected.targets[0].picture.data[4 * k], data.data[4 * k], 1e-6);
+}
+
+TEST_F(CorrectedJob, RefusesWhatCannotBeRendered) {
+  FitJob job = job_;
+  job.reference.emplace().technique = "no_such_technique";
+  expect_wrong(job, {"no_such_technique", "hierarchical", "path_traced"});
+  job.reference->technique = "path_traced";
+  job.reference->settings = {{"pathss", "3"}};
+  expect_wrong(job, {"pathss", "paths"});
 }
 
 }  // namespace

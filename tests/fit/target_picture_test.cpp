@@ -78,7 +78,9 @@ TEST(NoiseEstimate, ReadsARenderersVariance) {
     variance.data[i] = static_cast<float>(1e-4 + 4e-4 * std::max(0.0, static_cast<double>(picture.data[i])));
   const NoiseModel noise = noise_from_layer(picture, with_layers(picture, {{"variance", variance}}), {});
   expect_noise(noise, 0.01, 0.0004, 0.02);
-  EXPECT_FALSE(noise.correlation_known);
+  EXPECT_TRUE(noise.correlation_known);
+  EXPECT_EQ(noise.correlation, Eigen::Matrix3d::Identity());
+  EXPECT_TRUE(noise.rough);
   EXPECT_THAT(test::message_of([&] { noise_from_layer(picture, picture, {}); }), HasSubstr("variance.R"));
   // Beside the object there is neither light nor noise.
   Image beside = picture;
@@ -90,6 +92,19 @@ TEST(NoiseEstimate, ReadsARenderersVariance) {
   std::fill(variance.data.begin(), variance.data.end(), 0.0f);
   const Image none = with_layers(beside, {{"variance", variance}});
   EXPECT_THAT(test::message_of([&] { noise_from_layer(beside, none, {}); }), HasSubstr("0 everywhere"));
+}
+
+TEST(NoiseEstimate, FindsARenderersNoiseThatGrowsWithTheSignal) {
+  Image picture(100, 30, {"R", "G", "B"}), variance = picture;
+  for (std::size_t i = 0; i < picture.data.size(); ++i) {
+    const double s = 0.5 * static_cast<double>(i + 1) / static_cast<double>(picture.data.size());
+    picture.data[i] = static_cast<float>(s);
+    variance.data[i] = static_cast<float>(4e-10 + 1e-5 * s + 9e-4 * s * s);
+  }
+  const NoiseModel noise = noise_from_layer(picture, with_layers(picture, {{"variance", variance}}), {});
+  for (const double s : {1e-3, 0.01, 0.1, 0.4})
+    EXPECT_NEAR(noise.variance(1, s) / (4e-10 + 1e-5 * s + 9e-4 * s * s), 1, 0.02) << s;
+  EXPECT_NEAR(noise.relative[1], 0.03, 0.001);
 }
 
 TEST(NoiseEstimate, ReadsNumbers) {

@@ -237,6 +237,7 @@ ClusterTree disk(float radius) {
   ClusterTree tree;
   ClusterNode node{};
   node.covariance[0] = node.covariance[3] = radius * radius / 4;
+  node.extent.radius = radius;
   node.extent.trace = radius * radius / 2;
   node.extent.deviation = node.extent.trace / std::sqrt(3.0f);
   tree.nodes = {node};
