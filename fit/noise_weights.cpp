@@ -23,6 +23,18 @@ Eigen::Matrix3d residual_correlation(const FitTarget& target, const Eigen::Matri
   return regular_covariance(per_sd.asDiagonal() * sums * per_sd.asDiagonal());
 }
 
+double channel_rms(const FitTarget& target, int c) {
+  return std::sqrt(std::max(target.products(c, c), 1e-25) / static_cast<double>(target.rows()));
+}
+
+/// Of a channel that is black beside the others (what does not scatter) the least noise, else 0: no picture is as dark
+/// as that within the coefficients' bounds, and what is left would count for more than all the other channels.
+double least_noise(const FitTarget& target, int c) {
+  constexpr double black = 1e-6, allowed = 1e-3;
+  const double brightest = std::sqrt(target.products.diagonal().maxCoeff() / static_cast<double>(target.rows()));
+  return channel_rms(target, c) < black * brightest ? allowed * brightest : 0;
+}
+
 Covariance known_covariance(const FitTarget& target, const NoiseModel& noise, const Eigen::MatrixXd& signal) {
   Eigen::Vector3d sd = Eigen::Vector3d::Ones();
   for (int c = 0; c < target.channels; ++c) {
@@ -61,7 +73,7 @@ Covariance residual_covariance(const FitProblem& problem, const FitPoint& at, st
   for (int c = 0; c < target.channels; ++c)
     for (int d = 0; d < target.channels; ++d) covariance(c, d) = sums(c, d) / freedom;
   for (int c = 0; c < target.channels; ++c) {
-    const double floor = std::max(1e-12 * std::sqrt(target.products(c, c) / rows), 1e-15);
+    const double floor = std::max({1e-12 * channel_rms(target, c), 1e-15, least_noise(target, c)});
     covariance(c, c) = std::max(covariance(c, c), floor * floor);
   }
   return regular_covariance(covariance);
@@ -97,7 +109,7 @@ std::vector<Whitened> first_weights(const std::vector<FitTarget>& targets) {
     }
     Covariance covariance = Covariance::Identity();
     for (int c = 0; c < target.channels; ++c)
-      covariance(c, c) = 1e-4 * std::max(target.products(c, c), 1e-25) / static_cast<double>(target.rows());
+      covariance(c, c) = std::pow(std::max(1e-2 * channel_rms(target, c), least_noise(target, c)), 2);
     weights.push_back(whiten(target, covariance));
   }
   return weights;

@@ -3,6 +3,7 @@
 #include "fit/defect_correction.h"
 #include "fit/profile_interval.h"
 #include "fit/reduced_picture.h"
+#include "fit/rendered_reference.h"
 #include "tests/support/fit_job_fixture.h"
 
 #include <gtest/gtest.h>
@@ -175,6 +176,39 @@ TEST_F(CorrectedJob, IsTheFitOfTheTechnique) {
   const Image data = read_image(job.targets[0]);
   for (std::size_t k = 0; k < data.pixel_count(); ++k)
     if (data.data[4 * k + 3] > 0) ASSERT_NEAR(corrected.targets[0].picture.data[4 * k], data.data[4 * k], 1e-6);
+}
+
+/// Materials of which the operator alone is too far off, and two that hold a channel without any scattering.
+TEST(LibraryMaterials, ComeBackWithTheReference) {
+  OperatorSettings op = test::small_operator(800);
+  RenderOptions options;
+  options.technique = "hierarchical";
+  options.settings = {{"profile", "transport_table"}, {"max_relative_error", "1e-5"}, {"discretisation", "fixed"}};
+  options.shared = {op.samples, op.irradiance};
+  double worst_before = 0;
+  for (const char* name : {"Espresso", "Ketchup", "Pepsi", "Merlot"}) {
+    const Scene scene = test::sphere_scene(name, 10, 500);
+    std::vector<FitTarget> targets;
+    targets.push_back(
+        make_target(build_operator(scene, 0, test::free_eta(), op), render_scene(scene, options).image, name));
+    const Material start = test::neutral_material();
+    const SolveSettings settings;
+    Solution s = solve(targets, right(), start, settings);
+    const std::vector<TargetScene> scenes = {{std::make_shared<const Scene>(scene), 0}};
+    const ParameterVector truth = to_parameters(scene.materials[0], s.bounds), before = s.parameters;
+    const Correction c = correct_by_reference(
+        targets, right(), start, settings, rendered_reference(scenes, targets, start, settings.free, options), {}, s);
+    EXPECT_TRUE(c.converged) << name;
+    const Uncertainty u = uncertainty(s, settings.free);
+    for (int i = 0; i < parameter_count; ++i) {
+      const bool scatters = i == eta_index || scene.materials[0].sigma_s_prime[i % 3] > 0;
+      EXPECT_EQ(u.parameters[static_cast<std::size_t>(i)].identifiable, scatters) << name << " " << parameter_name(i);
+      if (!scatters) continue;
+      worst_before = std::max(worst_before, std::abs(test::relative_error(i, before, truth)));
+      EXPECT_LT(std::abs(test::relative_error(i, s.parameters, truth)), 1e-3) << name << " " << parameter_name(i);
+    }
+  }
+  EXPECT_GT(worst_before, 1e-2) << "the operator alone is good enough: this shows nothing";
 }
 
 TEST_F(CorrectedJob, RefusesWhatCannotBeRendered) {
