@@ -225,6 +225,15 @@ TEST(Matrix, LayeredDatasetsAreWrittenAndJudgedByExactSingleScattering) {
     EXPECT_GT(r.reference.certified_max, 0);
     EXPECT_EQ(r.seconds.edits.size(), 2u);
   }
+  // The dataset's files are the same ones in the next run, so that its cells are.
+  const std::string depths = folder.file("out") + "/scenes/fish_layers/depths.exr";
+  const fs::file_time_type written = fs::last_write_time(depths);
+  EXPECT_EQ(run_suite(parse_suite(suite, "tiny.json"), options, synthetic_shapes()).measured, 0u);
+  EXPECT_EQ(fs::last_write_time(depths), written);
+  fs::resize_file(depths, fs::file_size(depths) / 2);
+  options.choice.techniques = {"brute_force"};
+  run_suite(parse_suite(suite, "tiny.json"), options, synthetic_shapes());
+  EXPECT_GT(read_image(depths).width, 1) << "what is damaged is written again";
 }
 
 }  // namespace
