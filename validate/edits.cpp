@@ -124,7 +124,7 @@ EditCost measure_edit_once(const std::string& edit, TechniqueRun& run, bool anyw
   }
   cost.render = watch.lap();
   cost.total = cost.shared + cost.prepare + cost.render;
-  if (prepare) run.forget();  // it is the edited scene's
+  run.forget();  // it is the edited scene's, or holds on to shared parts that are put back elsewhere
   return cost;
 }
 
