@@ -61,16 +61,31 @@ void compare_errors(const Pair& p, std::vector<Change>& changes) {
   }
 }
 
-void compare_counters(const Pair& p, std::vector<Change>& changes) {
-  for (const bool done : {true, false}) {
-    const auto &a = done ? p.before->done : p.before->skipped, &b = done ? p.now->done : p.now->skipped;
-    for (const auto& [name, count] : b) {
-      const auto it = a.find(name);
-      if (it != a.end() && it->second != count)
-        changes.push_back({p.now->name(), std::string("counter ") + (done ? "done." : "skipped.") + name,
-                           static_cast<double>(it->second), static_cast<double>(count), 0, false});
-    }
+using Counts = std::map<std::string, std::uint64_t>;
+
+/// Of every name that one of the two has. Work that was never counted and none at all are not the same: one that
+/// appears or vanishes is said even with a count of 0.
+void compare_counts(const std::string& cell, const std::string& kind, const Counts& before, const Counts& now,
+                    std::vector<Change>& changes) {
+  Counts names = before;
+  names.insert(now.begin(), now.end());
+  for (const auto& [name, any] : names) {
+    const auto a = before.find(name), b = now.find(name);
+    const bool appears = a == before.end(), vanishes = b == now.end();
+    if (!appears && !vanishes && a->second == b->second) continue;
+    changes.push_back({cell,
+                       "counter " + kind + name +
+                           (appears    ? " (new)"
+                            : vanishes ? " (gone)"
+                                       : ""),
+                       appears ? 0 : static_cast<double>(a->second), vanishes ? 0 : static_cast<double>(b->second), 0,
+                       false});
   }
+}
+
+void compare_counters(const Pair& p, std::vector<Change>& changes) {
+  compare_counts(p.now->name(), "done.", p.before->done, p.now->done, changes);
+  compare_counts(p.now->name(), "skipped.", p.before->skipped, p.now->skipped, changes);
 }
 
 }  // namespace

@@ -10,7 +10,8 @@ namespace opaline {
 
 struct Change {
   std::string cell;  ///< Record::name()
-  std::string what;  ///< "render seconds", "error relative_rmse", "counter done.rays", "status"
+  std::string what;  ///< "render seconds", "error relative_rmse", "counter done.rays", with " (new)" or " (gone)" if
+                     ///< one run lacks it, "status ..."
   double before = 0, now = 0;
   double tolerance = 0;  ///< relative: what noise explains
   bool worse = false;    ///< more time or error, or a cell that is no longer done; else better, or (counters) different
@@ -28,7 +29,7 @@ struct BaselineComparison {
 
 /// Cells are the same by name. A time has changed when both its median and its minimum differ by more than the larger
 /// of 25 % and four standard errors of the measurements' scatter; an error when it differs by more than 1 %; a counter
-/// when it differs at all.
+/// when it differs at all, or when only one of the two runs has it.
 BaselineComparison compare_with_baseline(const std::vector<Record>& before, const std::vector<Record>& now);
 
 }  // namespace opaline

@@ -1,6 +1,7 @@
 #include "validate/edits.h"
 
 #include "model/check.h"
+#include "render/input_error.h"
 
 #include <glm/gtc/matrix_transform.hpp>
 
@@ -66,29 +67,43 @@ class Restore {
   SharedParts parts_;
 };
 
-/// Edits, and makes the shared parts again that the technique needs. True if it needs prepare again.
-bool apply(const std::string& edit, TechniqueRun& run, Restore& restore) {
+/// Does what was prepared no longer hold after the edit, whatever the settings?
+bool needs_prepare(const std::string& edit, const TechniqueRun& run) {
+  const InvalidatedBy& by = run.technique.invalidated_by;
+  if (edit == "camera") return by.camera;
+  if (edit == "light") return by.light;
+  if (edit == "material") return by.material;
+  return true;  // geometry: whatever was prepared holds on to the shared parts of before
+}
+
+/// Edits, and makes the shared parts again that the technique needs.
+void apply(const std::string& edit, TechniqueRun& run, Restore& restore) {
   MeasuredScene& s = run.scene;
-  const InvalidatedBy& invalid = run.technique.invalidated_by;
   if (edit == "camera") {
     edit_camera(s.scene.camera);
     s.shared->view = make_gbuffer(s.scene, s.shared->rays);
-    return invalid.camera;
-  }
-  if (edit == "light") {
+  } else if (edit == "light") {
     if (!s.scene.lights.empty()) edit_light(s.scene.lights.front());
     if (run.technique.needs_irradiance) s.shared->make_irradiance();
-    return invalid.light;
-  }
-  if (edit == "material") {
+  } else if (edit == "material") {
     for (Material& material : s.scene.materials) edit_material(material);
-    return invalid.material;
+  } else {
+    OPALINE_CHECK(edit == "geometry");
+    edit_geometry(s.scene.objects.front().mesh);
+    restore.rays_made_again = true;
+    s.shared = std::make_unique<SharedScene>(s.scene, s.shared->settings, run.technique.needs_irradiance);
   }
-  OPALINE_CHECK(edit == "geometry");
-  edit_geometry(s.scene.objects.front().mesh);
-  restore.rays_made_again = true;
-  s.shared = std::make_unique<SharedScene>(s.scene, s.shared->settings, run.technique.needs_irradiance);
-  return true;  // whatever was prepared holds on to the shared parts of before
+}
+
+/// A frame of what is prepared; false where that refuses the scene as it is, as one that a setting binds to its view
+/// (view=fixed) refuses another camera.
+bool renders(TechniqueRun& run) {
+  try {
+    run.render();
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
 }
 
 }  // namespace
@@ -96,15 +111,20 @@ bool apply(const std::string& edit, TechniqueRun& run, Restore& restore) {
 EditCost measure_edit_once(const std::string& edit, TechniqueRun& run, bool anyway) {
   Restore restore(run.scene);
   EditCost cost;
+  bool prepare = anyway || needs_prepare(edit, run);
   Stopwatch watch;
-  const bool prepare = apply(edit, run, restore) || anyway;
+  apply(edit, run, restore);
   cost.shared = watch.lap();
-  if (prepare) run.prepare();
-  cost.prepare = prepare ? watch.lap() : 0;
-  watch.lap();
-  run.render();
+  if (!prepare && !renders(run)) prepare = true;
+  if (prepare) {
+    watch.lap();
+    run.prepare();
+    cost.prepare = watch.lap();
+    run.render();
+  }
   cost.render = watch.lap();
   cost.total = cost.shared + cost.prepare + cost.render;
+  run.forget();  // it is the edited scene's, or holds on to shared parts that are put back elsewhere
   return cost;
 }
 
@@ -113,7 +133,8 @@ EditCost measure_edit(const std::string& edit, TechniqueRun& run, const TimingPl
   Stopwatch watch;
   double sum = 0;
   do {
-    run.prepare();  // of the unedited scene: what the technique has at the moment of the edit
+    // What the technique has at the moment of the edit. Where the edit makes it worthless it is not made.
+    if (!run.is_prepared() && !needs_prepare(edit, run)) run.prepare();
     costs.push_back(measure_edit_once(edit, run));
     sum += watch.lap();
   } while (static_cast<int>(costs.size()) < plan.runs && sum < plan.max_seconds);

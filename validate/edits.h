@@ -15,11 +15,13 @@
 namespace opaline {
 
 /// Makes the edit once and renders a frame, which is in `run` then; prepares where the technique says that the edit
-/// needs it, or `anyway`. `run` must be prepared. The scene and its shared parts are as before when it returns.
+/// needs it, or what is prepared refuses the edited scene, or `anyway`; else `run` must be prepared. The scene and its
+/// shared parts are as before when it returns, with nothing prepared.
 EditCost measure_edit_once(const std::string& edit, TechniqueRun& run, bool anyway = false);
 
 /// Measures the edit as often as `plan` says; the result is the run of median total. The scene and its shared parts are
-/// as before when it returns; `run` must be prepared anew. `spent` gains the seconds of all runs.
+/// as before when it returns; `run` may be prepared or not, and isn't when it returns. `spent` gains the seconds of all
+/// runs.
 EditCost measure_edit(const std::string& edit, TechniqueRun& run, const TimingPlan& plan, double& spent);
 
 }  // namespace opaline

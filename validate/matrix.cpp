@@ -49,6 +49,18 @@ std::map<std::string, Record> known_records(const std::string& path, bool remeas
   return known;
 }
 
+/// Are the dataset's files there, with what it would write? Their bytes are part of the cells' hashes, and an EXR has
+/// the time it was written in it: written again, all cells would be others.
+bool is_written(const LayeredDataset& dataset, const std::string& folder) {
+  try {
+    const Image depths = dataset.depths(), found = read_image(folder + "/depths.exr");
+    return found.channels == depths.channels && found.data == depths.data &&
+           read_json_file(folder + "/scene.json") == dataset.scene();
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
 /// The suite with the files of its layered datasets in the run's folder.
 Suite with_dataset_files(Suite suite, const RunOptions& options) {
   const std::vector<std::string>& chosen = options.choice.scenes;
@@ -56,7 +68,8 @@ Suite with_dataset_files(Suite suite, const RunOptions& options) {
     if (scene.dataset.empty()) continue;
     if (!chosen.empty() && std::find(chosen.begin(), chosen.end(), scene.name) == chosen.end()) continue;
     const std::string folder = options.folder + "/scenes/" + scene.dataset;
-    write_layered_dataset(*find_layered_dataset(scene.dataset), folder);
+    const LayeredDataset& dataset = *find_layered_dataset(scene.dataset);
+    if (!is_written(dataset, folder)) write_layered_dataset(dataset, folder);
     scene.path = folder + "/scene.json";
   }
   return suite;

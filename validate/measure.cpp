@@ -44,12 +44,18 @@ std::string not_applicable(const MeasureContext& context, const Cell& cell, cons
   return reason;
 }
 
+/// What had been found out by then belongs to no result: of the cell only what names it is left.
 void end(Record& record, CellStatus status, const std::string& reason) {
-  const Record blank;
+  Record blank;
   record.status = status;
   record.reason = reason;
   record.seconds = blank.seconds;
+  record.peak_rss_bytes = blank.peak_rss_bytes;
   record.error = blank.error;
+  record.truth_error = blank.truth_error;
+  record.reference = blank.reference;
+  record.done = blank.done;
+  record.skipped = blank.skipped;
   record.images = blank.images;
 }
 

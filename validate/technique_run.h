@@ -18,6 +18,9 @@ class TechniqueRun {
     prepared_ = gl_ ? technique.prepare_gpu(*scene.shared, settings, *gl_) : technique.prepare(*scene.shared, settings);
     if (gl_) gl_->finish();
   }
+  /// Is something prepared, of the scene as it is? Edits forget it.
+  bool is_prepared() const { return prepared_ != nullptr; }
+  void forget() { prepared_.reset(); }
   /// One frame of the scene's present view, shaded, into `frame` and `image`.
   void render() {
     frame = prepared_->render(scene.shared->view);

@@ -104,6 +104,20 @@ TEST_F(Report, ComparesProcessorsAndCountsSkips) {
   EXPECT_THAT(without, Not(HasSubstr("| rays | "))) << "skipped nowhere";
 }
 
+// What is skipped is called by the work and the reason; its share is of the work of the longest name that fits.
+TEST_F(Report, PairsSkippedWorkWithTheSameWorkDone) {
+  ReportData data = read({.records = 1, .extras = false});
+  Record& r = data.records.at(0);
+  r.scene = "s";
+  r.done = {{"shadow", 1}, {"shadow_rays", 300}, {"shadow_rays_fa", 5}, {"cell", 4}};
+  r.skipped = {{"shadow_rays_facing_away", 100}, {"shadow_maps_dark", 1}, {"cells_dark", 7}, {"rays", 6}};
+  const std::string markdown = text(data);
+  EXPECT_THAT(markdown, HasSubstr("| shadow rays facing away | 300 shadow rays | 100 | 25 % | 25 % in s |"));
+  EXPECT_THAT(markdown, HasSubstr("| shadow maps dark | 1 shadow | 1 | 50 % | 50 % in s |"));
+  EXPECT_THAT(markdown, HasSubstr("| cells dark | - | 7 | - | - |")) << "whole words: a cell is not cells";
+  EXPECT_THAT(markdown, HasSubstr("| rays | - | 6 | - | - |"));
+}
+
 TEST_F(Report, ShowsFitsWithTheirTruth) {
   const std::string markdown = text(read());
   EXPECT_THAT(markdown,

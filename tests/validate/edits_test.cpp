@@ -9,6 +9,8 @@
 namespace opaline {
 namespace {
 
+using nlohmann::json;
+
 class Edits : public ::testing::TestWithParam<std::string> {};
 
 TEST_P(Edits, WhatIsNotPreparedAgainIsStillRight) {
@@ -28,6 +30,7 @@ TEST_P(Edits, WhatIsNotPreparedAgainIsStillRight) {
     SCOPED_TRACE(edit);
     run.prepare();
     measure_edit_once(edit, run);
+    EXPECT_FALSE(run.is_prepared()) << "the shared parts have been put back, elsewhere";
     const std::vector<float> as_said = run.image.data;
     run.prepare();
     measure_edit_once(edit, run, true);
@@ -36,6 +39,24 @@ TEST_P(Edits, WhatIsNotPreparedAgainIsStillRight) {
     run.prepare();
     run.render();
     EXPECT_EQ(run.image.data, unedited) << "the edit was taken back";
+  }
+}
+
+// What a setting ties to its view is prepared again for another one, not refused.
+// Its vertices are closer than the picture moves, so that it sees others.
+TEST(EditsOfSettings, AFixedViewIsPreparedAgainAfterAnEditOfTheCamera) {
+  test::TempFolder folder;
+  json suite = test::tiny_suite();
+  suite["scenes"].erase(0);
+  suite["techniques"] = {"precomputed_transfer"};
+  suite["sweeps"] = {{"precomputed_transfer", {{{"view", {"fixed", "any"}}, {"directions", 20}, {"subdivide", 16}}}}};
+  suite["edits"] = {"light", "camera"};
+  const RunSummary summary = test::run_tiny(folder, suite);
+  ASSERT_EQ(summary.records.size(), 2u);
+  for (const Record& r : summary.records) {
+    SCOPED_TRACE(r.name());
+    ASSERT_EQ(r.status, CellStatus::done) << r.reason;
+    EXPECT_EQ(r.seconds.edits.at("camera").prepare > 0, r.settings.at("view") == "fixed");
   }
 }
 

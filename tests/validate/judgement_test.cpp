@@ -191,6 +191,21 @@ TEST(Junit, CountsAndEscapes) {
   EXPECT_THAT(xml, HasSubstr("<failure message=\"2 &gt; 1: here\"/>"));
 }
 
+TEST(Baseline, CountersThatAppearOrVanishAreChanges) {
+  std::vector<Record> before = {record("a", "x", 1, 0.1)}, now = before;
+  before[0].done["clusters"] = 7, before[0].skipped["rays_dark"] = 0;
+  now[0].done["cells"] = 9, now[0].skipped["rays_far"] = 3;
+  const BaselineComparison c = compare_with_baseline(before, now);
+  std::map<std::string, std::pair<double, double>> found;
+  for (const Change& change : c.changes) found[change.what] = {change.before, change.now};
+  const std::map<std::string, std::pair<double, double>> expected = {{"counter done.clusters (gone)", {7, 0}},
+                                                                     {"counter done.cells (new)", {0, 9}},
+                                                                     {"counter skipped.rays_dark (gone)", {0, 0}},
+                                                                     {"counter skipped.rays_far (new)", {0, 3}}};
+  EXPECT_EQ(found, expected);
+  EXPECT_FALSE(c.any_worse());
+}
+
 TEST(Baseline, TellsAChangeFromNoiseAndFromAnotherMachine) {
   std::vector<Record> before, now;
   for (int i = 0; i < 9; ++i) {

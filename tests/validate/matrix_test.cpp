@@ -135,6 +135,31 @@ TEST(Matrix, WhatCannotBeDoneHasItsReason) {
   EXPECT_EQ(run_suite(parse_suite(suite, "s.json"), options, test::test_shapes()).measured, 4u);
 }
 
+// The cell renders and is compared with the truth before it fails: the reference cannot be written.
+TEST(Matrix, WhatFailsLateHoldsNoFigure) {
+  test::TempFolder folder;
+  json suite = test::tiny_suite();
+  suite["scenes"].erase(0);
+  suite["techniques"] = {"brute_force"};
+  suite["truth"] = {{"paths", 2}};
+  Record done = test::run_tiny(folder, suite).records.at(0);
+  ASSERT_EQ(done.status, CellStatus::done) << done.reason;
+  ASSERT_TRUE(done.truth_error);
+  ASSERT_FALSE(done.done.empty());
+  const std::string facts = fs::path(done.images.at("reference")).stem().string();
+  fs::remove_all(folder.file("out/cache/" + facts + ".json"));
+  fs::remove(folder.file("out/" + done.images.at("reference")));
+  fs::create_directories(folder.file("out/" + done.images.at("reference")));
+  const Record failed = test::run_tiny(folder, suite, true).records.at(0);
+  ASSERT_EQ(failed.status, CellStatus::failed);
+  EXPECT_FALSE(failed.reason.empty());
+  Record blank = failed;
+  blank.seconds = {}, blank.peak_rss_bytes = 0, blank.error.clear(), blank.truth_error.reset();
+  blank.reference = {}, blank.done.clear(), blank.skipped.clear(), blank.images.clear();
+  blank.seconds.harness_overhead = failed.seconds.harness_overhead;
+  EXPECT_EQ(to_json(failed), to_json(blank));
+}
+
 // Materials are called "Head & Shoulders Shampoo" or what a user likes; a command is pasted into a shell.
 TEST(Matrix, FilesOfScenesAreOneWordWhateverMaterialsAreCalled) {
   test::TempFolder folder;
@@ -200,6 +225,15 @@ TEST(Matrix, LayeredDatasetsAreWrittenAndJudgedByExactSingleScattering) {
     EXPECT_GT(r.reference.certified_max, 0);
     EXPECT_EQ(r.seconds.edits.size(), 2u);
   }
+  // The dataset's files are the same ones in the next run, so that its cells are.
+  const std::string depths = folder.file("out") + "/scenes/fish_layers/depths.exr";
+  const fs::file_time_type written = fs::last_write_time(depths);
+  EXPECT_EQ(run_suite(parse_suite(suite, "tiny.json"), options, synthetic_shapes()).measured, 0u);
+  EXPECT_EQ(fs::last_write_time(depths), written);
+  fs::resize_file(depths, fs::file_size(depths) / 2);
+  options.choice.techniques = {"brute_force"};
+  run_suite(parse_suite(suite, "tiny.json"), options, synthetic_shapes());
+  EXPECT_GT(read_image(depths).width, 1) << "what is damaged is written again";
 }
 
 }  // namespace
