@@ -102,7 +102,8 @@ std::string words(const SurfaceBias& b) {
     return fmt::format(
         "curved and lit obliquely (radius about {:.2g}, {:.2g}, {:.2g} transport mean free paths, light {:.0f} "
         "degrees off the normal on average): the profile is that of a plane and a normal beam. Of spheres "
-        "lit from the side such a fit had sigma_a off by about {} and sigma_s' by {}",
+        "lit from the side such a fit had sigma_a off by about {} and sigma_s' by {}. --correct-with path_traced fits "
+        "with transport on the shape itself",
         b.radius_mfp[0], b.radius_mfp[1], b.radius_mfp[2], b.shape.incidence_deg, percent(b.sigma_a),
         percent(b.sigma_s_prime));
   return fmt::format(
