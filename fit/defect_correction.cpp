@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 
 namespace opaline {
 namespace {
@@ -336,6 +338,8 @@ Correction correct_by_reference(std::vector<FitTarget>& targets, const ProfileIn
   near.starts = 1;
   Solution corrected = solve(targets, profile, to_material(end.material, initial, settings.free), near);
   corrected.starts = std::move(found.starts), corrected.best_start = found.best_start;
+  for (StartRecord& start : corrected.starts)  // they are ends of another fit: no part of the intervals of this one
+    start.excess = std::numeric_limits<double>::infinity();
   corrected.iterations += found.iterations, corrected.seconds += found.seconds;
   corrected.parameters = end.material, corrected.ln_scale = end.ln_scale;
   corrected.jacobian.topRows(corrected.jacobian.rows() - corrected.prior_rows) *= out.sensitivity;

@@ -166,6 +166,10 @@ std::string convergence(const FitReport& report) {
   }
   std::size_t converged = 0, same = 0;
   for (const StartRecord& s : report.solution.starts) converged += s.converged, same += s.excess < 1.92;
+  if (report.correction)
+    return fmt::format("<h3>Starts of the fit before its correction: {} of {} converged (black: the best)</h3>\n",
+                       converged, report.solution.starts.size()) +
+           plot.text("cost of every start");
   return fmt::format("<h3>Starts: {} of {} converged, {} to a fit as good as the best (black)</h3>\n", converged,
                      report.solution.starts.size(), same) +
          plot.text("cost of every start");

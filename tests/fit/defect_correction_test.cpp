@@ -171,6 +171,8 @@ TEST_F(CorrectedJob, IsTheFitOfTheTechnique) {
   EXPECT_GT(corrected.correction->renders_saved, 0);
   EXPECT_LT(worst(corrected), 1e-5);
   EXPECT_LT(worst(corrected), 0.1 * worst(plain));
+  for (const ParameterEstimate& e : corrected.uncertainty.parameters)  // not widened to where the starts ended
+    if (e.free) EXPECT_LT(e.high / e.low - 1, 8 * e.sd / e.value);
   EXPECT_TRUE(fit_json(corrected).contains("correction"));
   // The report's pictures are the data and the technique's, not the corrected data and the operator's.
   const Image data = read_image(job.targets[0]);
