@@ -2,6 +2,7 @@
 
 #include "fit/noise_weights.h"
 #include "fit/reduced_picture.h"
+#include "fit/reference_noise.h"
 #include "fit/reference_sensitivity.h"
 #include "render/stopwatch.h"
 
@@ -18,56 +19,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-/// How pixels are weighted at one place, kept while others are compared with it.
-class FixedWeights {
- public:
-  FixedWeights(const FitProblem& problem, const FitPoint& at) : covariance_(noise_at(problem, at)) {
-    for (std::size_t t = 0; t < problem.targets().size(); ++t) {
-      const FitTarget& target = problem.targets()[t];
-      const MatrixXd fitted = fitted_rows(problem, at, t);
-      even_.push_back(!target.noise.known || target.noise.uniform());
-      precision_.push_back(even_[t]
-                               ? PixelPrecision()
-                               : pixel_precision(target, completed_noise(target, fitted), target.noise_signal(fitted)));
-    }
-  }
-
-  std::vector<Whitened> whiten(const std::vector<FitTarget>& targets) const {
-    std::vector<Whitened> all;
-    for (std::size_t t = 0; t < targets.size(); ++t)
-      all.push_back(even_[t] ? opaline::whiten(targets[t], covariance_[t])
-                             : opaline::whiten(targets[t], precision_[t]));
-    return all;
-  }
-
- private:
-  std::vector<Covariance> covariance_;
-  std::vector<bool> even_;
-  std::vector<PixelPrecision> precision_;
-};
-
-/// Every pixel's mean of the fitted pixels around it in a window of 5 x 5, itself left out: as bright, but with nothing
-/// of the pixel's own noise in it, which would give its darker values the larger weights.
-MatrixXd neighbours_mean(const MatrixXd& rows, const TransportOperator& op) {
-  constexpr int reach = 2;
-  std::vector<Index> row_of(static_cast<std::size_t>(op.width) * static_cast<std::size_t>(op.height), -1);
-  for (std::size_t p = 0; p < op.rows(); ++p) row_of[op.pixels[p]] = static_cast<Index>(p);
-  MatrixXd out = rows;
-  for (Index p = 0; p < rows.rows(); ++p) {
-    const auto pixel = static_cast<int>(op.pixels[static_cast<std::size_t>(p)]);
-    const int x = pixel % op.width, y = pixel / op.width;
-    Eigen::RowVectorXd sum = Eigen::RowVectorXd::Zero(rows.cols());
-    int count = 0;
-    for (int v = std::max(y - reach, 0); v <= std::min(y + reach, op.height - 1); ++v)
-      for (int u = std::max(x - reach, 0); u <= std::min(x + reach, op.width - 1); ++u) {
-        const Index other = row_of[static_cast<std::size_t>(v * op.width + u)];
-        if (other >= 0 && other != p) sum += rows.row(other), ++count;
-      }
-    if (count > 0) out.row(p) = sum / count;
-  }
-  return out;
-}
 
 /// The pictures as measured, which the targets no longer have.
 struct Measured {
@@ -313,19 +264,6 @@ class Search {
 };
 
 }  // namespace
-
-NoiseModel sum_of_noise(const NoiseModel& a, const NoiseModel& b, double scale) {
-  NoiseModel sum = a;
-  if (!a.known || !b.known) return sum;  // the residual shows both
-  for (std::size_t c = 0; c < 3; ++c) {
-    sum.read_sd[c] = std::hypot(a.read_sd[c], scale * b.read_sd[c]);
-    sum.shot[c] = a.shot[c] + scale * b.shot[c];
-    sum.relative[c] = std::hypot(a.relative[c], b.relative[c]);
-  }
-  sum.correlation_known = a.correlation_known && b.correlation_known;
-  sum.rough = a.rough || b.rough;
-  return sum;
-}
 
 Correction correct_by_reference(std::vector<FitTarget>& targets, const ProfileInfo& profile, const Material& initial,
                                 const SolveSettings& settings, const Reference& reference,

@@ -65,7 +65,4 @@ Correction correct_by_reference(std::vector<FitTarget>& targets, const ProfileIn
                                 const SolveSettings& settings, const Reference& reference,
                                 const CorrectionSettings& correction, Solution& found);
 
-/// The noise of a + scale * b, two independent pictures.
-NoiseModel sum_of_noise(const NoiseModel& a, const NoiseModel& b, double scale);
-
 }  // namespace opaline

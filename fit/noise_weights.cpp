@@ -145,4 +145,22 @@ std::vector<Whitened> weights_at(const FitProblem& problem, const FitPoint& at) 
   return weights;
 }
 
+FixedWeights::FixedWeights(const FitProblem& problem, const FitPoint& at) : covariance_(noise_at(problem, at)) {
+  for (std::size_t t = 0; t < problem.targets().size(); ++t) {
+    const FitTarget& target = problem.targets()[t];
+    const bool even = !target.noise.known || target.noise.uniform();
+    const Eigen::MatrixXd fitted = fitted_rows(problem, at, t);
+    precision_.push_back(even ? PixelPrecision()
+                              : pixel_precision(target, completed_noise(target, fitted), target.noise_signal(fitted)));
+  }
+}
+
+std::vector<Whitened> FixedWeights::whiten(const std::vector<FitTarget>& targets) const {
+  std::vector<Whitened> all;
+  for (std::size_t t = 0; t < targets.size(); ++t)
+    all.push_back(precision_[t].empty() ? opaline::whiten(targets[t], covariance_[t])
+                                        : opaline::whiten(targets[t], precision_[t]));
+  return all;
+}
+
 }  // namespace opaline

@@ -27,6 +27,18 @@ Eigen::MatrixXd fitted_rows(const FitProblem& problem, const FitPoint& at, std::
 /// model leaves that open.
 NoiseModel completed_noise(const FitTarget& target, const Eigen::MatrixXd& fitted);
 
+/// How pixels are weighted at one place, kept while others are compared with it.
+class FixedWeights {
+ public:
+  FixedWeights(const FitProblem& problem, const FitPoint& at);
+  /// Of the same targets with other pictures.
+  std::vector<Whitened> whiten(const std::vector<FitTarget>& targets) const;
+
+ private:
+  std::vector<Covariance> covariance_;
+  std::vector<PixelPrecision> precision_;  ///< empty: the same for every pixel
+};
+
 /// Number of free parameters, free scales included.
 int free_count(const FitProblem& problem);
 

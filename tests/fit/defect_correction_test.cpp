@@ -3,6 +3,7 @@
 #include "fit/defect_correction.h"
 #include "fit/profile_interval.h"
 #include "fit/reduced_picture.h"
+#include "fit/reference_noise.h"
 #include "fit/rendered_reference.h"
 #include "tests/support/fit_job_fixture.h"
 
@@ -61,6 +62,35 @@ class DefectCorrection : public ::testing::Test {
   SolveSettings settings_;
   int calls_ = 0;
 };
+
+TEST(ReferenceNoise, AddsUpWithTheScale) {
+  NoiseModel a, b;
+  a.known = b.known = true, b.rough = true;
+  a.read_sd = {3, 0, 0}, b.read_sd = {2, 0, 0};
+  a.shot = {1, 0, 0}, b.shot = {0.5, 0, 0};
+  a.relative = {0.3, 0, 0}, b.relative = {0.4, 0, 0};
+  const NoiseModel sum = sum_of_noise(a, b, 2);
+  for (const double s : {0.0, 1.0, 7.0})  // b's picture is s/2 where the sum is compared with s
+    EXPECT_NEAR(sum.variance(0, s), a.variance(0, s) + 4 * b.variance(0, s / 2), 1e-12);
+  EXPECT_TRUE(sum.rough);
+  a.known = false;
+  EXPECT_FALSE(sum_of_noise(a, b, 2).known) << "the residual shows both";
+}
+
+TEST(ReferenceNoise, NeighboursLeaveThePixelOut) {
+  TransportOperator op =
+      build_operator(test::sphere_scene("skin1", 4, 200), 0, EtaNodes(1.3), test::small_operator(200));
+  op.width = 7, op.height = 3;
+  op.pixels = {0, 3, 6, 10, 20};  // (0,0) (3,0) (6,0) (3,1) (6,2)
+  Eigen::MatrixXd rows(5, 1);
+  rows << 1, 10, 100, 1000, 10000;
+  const Eigen::MatrixXd mean = neighbours_mean(rows, op);
+  EXPECT_EQ(mean(0, 0), 1) << "alone";
+  EXPECT_EQ(mean(1, 0), 1000);
+  EXPECT_EQ(mean(2, 0), 10000);
+  EXPECT_EQ(mean(3, 0), 10);
+  EXPECT_EQ(mean(4, 0), 100);
+}
 
 TEST_F(DefectCorrection, FindsWhatTheReferenceWouldHaveFound) {
   std::vector<FitTarget> corrected = targets(0.01, 7);
@@ -172,12 +202,16 @@ TEST_F(CorrectedJob, IsTheFitOfTheTechnique) {
   EXPECT_LT(worst(corrected), 1e-5);
   EXPECT_LT(worst(corrected), 0.1 * worst(plain));
   for (const ParameterEstimate& e : corrected.uncertainty.parameters)  // not widened to where the starts ended
-    if (e.free) EXPECT_LT(e.high / e.low - 1, 8 * e.sd / e.value);
+    if (e.free) {
+      EXPECT_LT(e.high / e.low - 1, 8 * e.sd / e.value);
+    }
   EXPECT_TRUE(fit_json(corrected).contains("correction"));
   // The report's pictures are the data and the technique's, not the corrected data and the operator's.
   const Image data = read_image(job.targets[0]);
   for (std::size_t k = 0; k < data.pixel_count(); ++k)
-    if (data.data[4 * k + 3] > 0) ASSERT_NEAR(corrected.targets[0].picture.data[4 * k], data.data[4 * k], 1e-6);
+    if (data.data[4 * k + 3] > 0) {
+      ASSERT_NEAR(corrected.targets[0].picture.data[4 * k], data.data[4 * k], 1e-6);
+    }
 }
 
 /// Materials of which the operator alone is too far off, and two that hold a channel without any scattering.
