@@ -209,6 +209,9 @@ void examine(const FitJob& job, const std::vector<FitTarget>& targets, const Pro
   report.diagnosis = diagnose(s, report.uncertainty);
   if (job.bootstrap == 0) return;
   stage("bootstrap");
+  if (rough_noise(targets))
+    report.uncertainty.notes.emplace_back(
+        "the repetitions draw noise that the channels do not share; the intervals above count what they do");
   report.repetitions = bootstrap(problem, s, job.bootstrap, job.solve.seed,
                                  measured ? report.correction->sensitivity : Eigen::MatrixXd());
 }

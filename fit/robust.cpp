@@ -183,11 +183,13 @@ RobustFit robust_fit(const std::vector<FitTarget>& targets, const ProfileInfo& p
       out.whitened[t] = whiten(targets[t], weighted_precision(white[t], settings.loss, out.mean_weight[t]));
     }
   };
-  constexpr int most_rounds = 40;
+  // Weights of squares go by the signal alone, which hardly moves from here.
+  const bool squares = settings.loss.kind == RobustLoss::Kind::squares;
+  const int most_rounds = squares ? 1 : 40;
   for (int round = 0; round < most_rounds && !out.settled; ++round) {
     weigh(out.end.at);
     const FitEnd next = problem.minimise(out.end.at);
-    out.settled = change(next.at, out.end.at) < 1e-7;
+    out.settled = squares ? next.converged : change(next.at, out.end.at) < 1e-7;
     const std::vector<double> history = out.end.history;
     out.end = next;
     out.end.history.insert(out.end.history.begin(), history.begin(), history.end());

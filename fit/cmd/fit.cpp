@@ -49,6 +49,8 @@ void add_fit_command(CLI::App& app, const ShapeLibrary& shapes) {
       "Example: opaline fit scene.json --target photo.exr --out result --compare-models --bootstrap 200\n"
       "         opaline fit scene.json --target photo.jpg --transfer srgb --scale free --prior eta=1.4:0.05 --out "
       "result\n"
+      "         opaline fit scene.json --target photo.exr --correct-with path_traced --correct-set paths=256 --out "
+      "result\n"
       "         opaline fit scene.json --target photo.exr --mask object.png --free sigma_a,sigma_s_prime --out result");
   fit->callback([a, &shapes] { run(*a, shapes); });
 }
