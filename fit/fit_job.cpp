@@ -242,8 +242,6 @@ void correct(const FitJob& job, const std::vector<TargetScene>& loaded, std::vec
              const ProfileInfo& profile, const Material& initial, FitReport& report) {
   RenderOptions options = *job.reference;
   options.shared = {job.op.samples, job.op.irradiance};
-  const bool statistical = find_technique(options.technique).statistical;
-  if (statistical) options.shared.irradiance.seed += 7919;  // a synthetic picture's own noise would be no noise
   const FreeParameters& free = job.solve.free;
   report.correction = correct_by_reference(targets, profile, initial, job.solve,
                                            rendered_reference(loaded, targets, initial, free, options), job.correction,

@@ -44,7 +44,8 @@ void check_reference(const RenderOptions& options, const std::vector<TargetScene
 }
 
 Reference rendered_reference(const std::vector<TargetScene>& scenes, const std::vector<FitTarget>& targets,
-                             const Material& base, const FreeParameters& free, const RenderOptions& options) {
+                             const Material& base, const FreeParameters& free, RenderOptions options) {
+  if (find_technique(options.technique).statistical) options.shared.irradiance.seed += 7919;
   return [&scenes, &targets, &base, free, options](const ParameterVector& at) {
     const Material material = to_material(at, base, free);
     std::vector<ReferencePicture> out;

@@ -20,9 +20,10 @@ struct TargetScene {
 void check_reference(const RenderOptions& options, const std::vector<TargetScene>& scenes);
 
 /// Renders every scene once with the fitted material replaced, and picks the rows of its targets. A statistical
-/// technique's variance is the reference's noise. `base`: the material whose fixed parameters stay. The arguments but
-/// `options` must outlive the result.
+/// technique's variance is the reference's noise; its random numbers are others than the seed of `options` gives,
+/// because a synthetic picture made with that would find its own noise again. `base`: the material whose fixed
+/// parameters stay. The arguments but `options` must outlive the result.
 Reference rendered_reference(const std::vector<TargetScene>& scenes, const std::vector<FitTarget>& targets,
-                             const Material& base, const FreeParameters& free, const RenderOptions& options);
+                             const Material& base, const FreeParameters& free, RenderOptions options);
 
 }  // namespace opaline

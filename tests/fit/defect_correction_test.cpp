@@ -1,6 +1,8 @@
 // A fit with a wrong operator, corrected by a right reference: its solution and its covariance must be those of the fit
 // with the right operator, which is known here because the reference is an operator too.
 #include "fit/defect_correction.h"
+
+#include "fit/bootstrap.h"
 #include "fit/profile_interval.h"
 #include "fit/reduced_picture.h"
 #include "fit/reference_noise.h"
@@ -151,6 +153,29 @@ TEST_F(DefectCorrection, AnOperatorThatIsNearEnoughIsNotMeasured) {
   for (std::size_t i = 0; i < eta_index; ++i) EXPECT_NEAR(s.parameters[i], before[i], 1e-6);
 }
 
+TEST_F(DefectCorrection, FewerValuesThanUnknownsDetermineNothing) {
+  const std::vector<FitTarget> all = targets(0.01, 7);
+  Solution s = solve(all, right(), start(), settings_);
+  EXPECT_TRUE(uncertainty(s, settings_.free).parameters[0].identifiable);
+  s.freedom = -1;
+  const Uncertainty u = uncertainty(s, settings_.free);
+  for (int i = 0; i < eta_index; ++i) EXPECT_FALSE(u.parameters[static_cast<std::size_t>(i)].identifiable);
+  EXPECT_EQ(u.parameters[0].reason, "there are fewer values than unknowns");
+}
+
+TEST_F(DefectCorrection, RepetitionsMoveAsTheReferenceDoes) {
+  const std::vector<FitTarget> all = targets(0.01, 7);
+  const Solution s = solve(all, right(), start(), settings_);
+  const FitProblem problem(all, s.whitened, right(), settings_, s.bounds);
+  const Eigen::Index n = s.jacobian.cols();
+  const Bootstrap plain = bootstrap(problem, s, 5, 1),
+                  twice = bootstrap(problem, s, 5, 1, 2 * Eigen::MatrixXd::Identity(n, n));
+  for (Eigen::Index i = 0; i < eta_index; ++i) {
+    EXPECT_NEAR(twice.sd[i], plain.sd[i] / 2, 1e-9);
+    EXPECT_NEAR(twice.bias[i], plain.bias[i] / 2, 1e-9);
+  }
+}
+
 /// Repetitions with new noise in picture and reference: the intervals are what the results scatter by.
 TEST_F(DefectCorrection, IntervalsHoldTheNoiseOfBoth) {
   constexpr int repetitions = 40;
@@ -212,6 +237,33 @@ TEST_F(CorrectedJob, IsTheFitOfTheTechnique) {
     if (data.data[4 * k + 3] > 0) {
       ASSERT_NEAR(corrected.targets[0].picture.data[4 * k], data.data[4 * k], 1e-6);
     }
+}
+
+TEST(RenderedReference, HasRandomNumbersOfItsOwn) {
+  const Scene scene = test::sphere_scene("skin1", 8, 200);
+  const OperatorSettings op = test::small_operator(200);
+  std::vector<FitTarget> targets;
+  RenderOptions options;
+  options.shared = {op.samples, op.irradiance};
+  const Image picture = render_scene(scene, options).image;
+  targets.push_back(make_target(build_operator(scene, 0, EtaNodes(scene.materials[0].eta), op), picture, "picture"));
+  const std::vector<TargetScene> scenes = {{std::make_shared<const Scene>(scene), 0}};
+  const FreeParameters free;
+  const auto off = [&](const std::string& technique, const std::map<std::string, std::string>& settings) {
+    options.technique = technique, options.settings = settings;
+    const Image direct = render_scene(scene, options).image;
+    const ReferencePicture made = rendered_reference(scenes, targets, scene.materials[0], free,
+                                                     options)(to_parameters(scene.materials[0], {}))[0];
+    EXPECT_EQ(made.noise.known, technique == "path_traced");
+    double square = 0;
+    for (std::size_t p = 0; p < targets[0].rows(); ++p)
+      square += std::pow(
+          made.rows(static_cast<Eigen::Index>(p), 0) - static_cast<double>(direct.data[targets[0].op.pixels[p] * 4u]),
+          2);
+    return std::sqrt(square) / made.rows.col(0).norm();
+  };
+  EXPECT_LT(off("hierarchical", {}), 1e-6);
+  EXPECT_GT(off("path_traced", {{"paths", "4"}}), 0.05);
 }
 
 /// Materials of which the operator alone is too far off, and two that hold a channel without any scattering.
