@@ -20,9 +20,9 @@ NoiseModel noise_from_flat(const Image& picture, const std::vector<float>& usabl
 
 /// With all three terms, from a renderer's estimate per pixel, channels variance.R, variance.G, variance.B
 /// (path_traced.md). Smooth in the signal on purpose: a pixel's own estimate errs with its value, and weights from it
-/// would pull a fit to the dark side. The channels share paths and so noise, by an amount that differs over the picture:
-/// taken for the same everywhere it would be cancelled where it is not there, so it has no part in the weights, and the
-/// model is `rough`.
+/// would pull a fit to the dark side. The channels share paths and so noise, by an amount that differs over the
+/// picture: taken for the same everywhere it would be cancelled where it is not there, so it has no part in the
+/// weights, and the model is `rough`.
 NoiseModel noise_from_layer(const Image& picture, const Image& layers, const std::vector<float>& usable);
 
 /// "uniform", "shared" (by the channels, as much as the residual shows), or READ[,SHOT] in the picture's linear units.
