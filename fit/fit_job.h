@@ -81,12 +81,12 @@ FitReport run_fit(const FitJob& job, const ShapeLibrary& shapes,
                   const std::function<void(const std::string& stage)>& progress = {});
 
 /// Of the operator's picture of `material`, on at most `pixels` of its rows, against the hierarchical gather with
-/// rigorous bounds of 1e-4 (render/irradiance/irradiance.md), both with the same cells.
+/// rigorous bounds of 3e-4 (render/irradiance/irradiance.md), both with the same cells.
 OperatorError operator_error(const Scene& scene, const TransportOperator& op, const OperatorSettings& settings,
                              const ProfileInfo& profile, const Material& material, int material_index,
-                             std::size_t pixels = 256);
+                             std::size_t pixels = 64);
 OperatorError operator_error(const Scene& scene, const FitTarget& target, const OperatorSettings& settings,
                              const ProfileInfo& profile, const Material& material, int material_index,
-                             std::size_t pixels = 256);
+                             std::size_t pixels = 64);
 
 }  // namespace opaline

@@ -29,7 +29,7 @@ OperatorError error_of(const Scene& scene, const TransportOperator& op, const Im
   const Technique& reference = find_technique("hierarchical");
   const Settings tight(
       reference.settings,
-      {{"max_relative_error", "1e-4"}, {"criterion", "bound"}, {"discretisation", "fixed"}, {"profile", profile.name}});
+      {{"max_relative_error", "3e-4"}, {"criterion", "bound"}, {"discretisation", "fixed"}, {"profile", profile.name}});
   const Frame frame = reference.prepare(shared, tight)->render(shared.view);
   const Image gathered = shade(with, shared.view, frame, op.lobe);
   const Image bound = shade_layers(with, shared.view, frame, op.lobe).at("bound");
